@@ -1,0 +1,13 @@
+//! fragloom: a bit-exact CPU rasterizer that runs multi-fragment shaders as real concurrent programs.
+//!
+//! Data flows one way through the modules, in this order, and a module uses only what stands before it
+//! (`tests/layering.rs` checks that):
+//!
+//! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
+//! `render` → `report` → `cli`
+
+pub mod error;
+pub mod image;
+pub mod num;
+pub mod render;
+pub mod scene;

@@ -1,0 +1,3 @@
+//! The `fragloom` command.
+
+fn main() {}

@@ -1,0 +1,62 @@
+//! Colour words and the two conversions every image goes through.
+//!
+//! * A *data word* is linear, straight-alpha RGBA8 with R in the low byte.
+//! * Real colour in 0..1 becomes 8 bits by `floor(clamp(c) * 255 + 0.5)`.
+//! * A linear 16-bit channel becomes an sRGB byte by a table of 65,536 entries, computed once with the
+//!   `libm` crate: the byte nearest to the sRGB transfer function (IEC 61966-2-1), halves up.
+
+use std::sync::LazyLock;
+
+/// `c` clamped to 0..1 and rounded to 8 bits, halves up. NaN gives 0.
+#[must_use]
+pub fn byte(c: f32) -> u8 {
+    (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// `c` clamped to 0..1 and rounded to 16 bits, halves up. NaN gives 0.
+#[must_use]
+pub fn word16(c: f32) -> u16 {
+    (f64::from(c.clamp(0.0, 1.0)) * 65_535.0 + 0.5) as u16
+}
+
+/// The data word of a linear colour and opacity, each 0..1.
+#[must_use]
+pub fn rgba8(rgb: [f32; 3], alpha: f32) -> u32 {
+    u32::from_le_bytes([byte(rgb[0]), byte(rgb[1]), byte(rgb[2]), byte(alpha)])
+}
+
+/// The sRGB byte of a linear 16-bit channel.
+#[must_use]
+pub fn srgb(linear: u16) -> u8 {
+    SRGB[usize::from(linear)]
+}
+
+static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    (0..=u16::MAX)
+        .map(|linear| {
+            let c = f64::from(linear) / 65_535.0;
+            let encoded =
+                if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
+            (encoded * 255.0 + 0.5) as u8
+        })
+        .collect()
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_round_halves_up_and_clamp() {
+        assert_eq!([byte(-1.0), byte(0.0), byte(0.5), byte(1.0), byte(2.0), byte(f32::NAN)], [
+            0, 0, 128, 255, 255, 0
+        ]);
+    }
+
+    #[test]
+    fn srgb_is_monotone_and_hits_its_ends() {
+        assert_eq!((srgb(0), srgb(u16::MAX)), (0, 255));
+        assert!((1..=u16::MAX).all(|c| srgb(c - 1) <= srgb(c)));
+        assert_eq!(srgb(14_026), 128, "linear 0.21402 is sRGB 0.50");
+    }
+}

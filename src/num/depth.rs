@@ -1,0 +1,79 @@
+//! Depth codes: a real depth in 0..1 as a 32-bit integer, and the formats a scheme may store.
+//!
+//! Codes go from 0 (near) to [`FARTHEST`] = 2^32 - 2; [`EMPTY`] = 2^32 - 1 means "no fragment", so a fragment
+//! on the far plane is never mistaken for a clear value.
+
+/// No fragment: the value a clear pass writes.
+pub const EMPTY: u32 = u32::MAX;
+
+/// The code of the far plane.
+pub const FARTHEST: u32 = u32::MAX - 1;
+
+/// The code of a depth in 0..1: `min(round_half_even(z * (2^32 - 1)), 2^32 - 2)`. Values outside are clamped.
+#[must_use]
+pub fn code(z: f64) -> u32 {
+    let scaled = (z.clamp(0.0, 1.0) * f64::from(u32::MAX)).round_ties_even();
+    (scaled as u32).min(FARTHEST)
+}
+
+/// What a scheme stores for a depth code. Every format keeps the order of codes, and never makes [`EMPTY`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Format {
+    /// The code itself.
+    #[default]
+    D32,
+    /// The upper 24 bits of the code.
+    D24,
+    /// The bits of the code's value rounded to the nearest f32 (so 0 to 2^32, in steps that grow with depth).
+    F32,
+}
+
+impl Format {
+    /// All formats, finest first.
+    pub const ALL: [Self; 3] = [Self::D32, Self::F32, Self::D24];
+
+    /// The stored word of a depth code.
+    #[inline]
+    #[must_use]
+    pub fn encode(self, code: u32) -> u32 {
+        match self {
+            Self::D32 => code,
+            Self::D24 => code >> 8,
+            Self::F32 => (code as f32).to_bits(),
+        }
+    }
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::D32 => "d32",
+            Self::D24 => "d24",
+            Self::F32 => "f32",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_round_half_to_even_and_leave_empty_free() {
+        assert_eq!(code(0.0), 0);
+        assert_eq!(code(1.0), FARTHEST);
+        assert_eq!(code(0.5), 1 << 31, "2^31 - 0.5 is a tie, and 2^31 is even");
+        assert_eq!(code(-3.0), 0);
+        assert_eq!(code(7.0), FARTHEST);
+    }
+
+    #[test]
+    fn formats_keep_the_order_and_are_never_empty() {
+        let codes = [0, 1, 255, 256, 1 << 24, (1 << 24) + 1, 1 << 31, FARTHEST - 1, FARTHEST];
+        for format in Format::ALL {
+            let stored = codes.map(|c| format.encode(c));
+            assert!(stored.is_sorted(), "{format:?}: {stored:?}");
+            assert!(stored.iter().all(|&s| s != EMPTY));
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Counter-based random numbers: a value is a pure function of (seed, stream, index), so that results do
+//! not depend on who asks first. The mixer is SplitMix64's finalizer (Steele, Lea, Flood, "Fast splittable
+//! pseudorandom number generators", OOPSLA 2014), applied once per input word.
+
+/// The 64 random bits at `index` of `stream` under `seed`.
+#[must_use]
+pub fn bits(seed: u64, stream: u64, index: u64) -> u64 {
+    mix(mix(mix(seed).wrapping_add(stream)).wrapping_add(index))
+}
+
+fn mix(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^ (x >> 31)
+}
+
+/// One stream read in order: for generators that simply want "the next one".
+#[derive(Clone, Debug)]
+pub struct Random {
+    seed: u64,
+    stream: u64,
+    next: u64,
+}
+
+impl Random {
+    /// The stream `stream` under `seed`, at its beginning.
+    #[must_use]
+    pub fn new(seed: u64, stream: u64) -> Self {
+        Self { seed, stream, next: 0 }
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.next += 1;
+        bits(self.seed, self.stream, self.next - 1)
+    }
+
+    /// Uniform in `0..n` (multiply-shift; the bias is below n / 2^64). `n` = 0 gives 0.
+    pub fn below(&mut self, n: u64) -> u64 {
+        ((u128::from(self.bits()) * u128::from(n)) >> 64) as u64
+    }
+
+    /// Uniform in [0, 1): a multiple of 2^-53.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+    }
+
+    /// Uniform in [low, high).
+    pub fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A uniformly random permutation in place (Fisher-Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i as u64 + 1) as usize);
+        }
+    }
+}

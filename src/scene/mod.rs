@@ -1,0 +1,135 @@
+//! Scenes: what is drawn, before any pixel exists.
+//!
+//! A [`Scene`] is plain data: meshes placed by transforms, materials, one directional light, a camera, a
+//! background, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
+//! or a procedural generator. The *global triangle index* counts the objects' triangles in order, then the
+//! screen triangles.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+
+/// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What reports call it: the file's or the generator's name.
+    pub name: String,
+    /// Width and height of the image in pixels, each 1 to [`MAX_SIZE`].
+    pub size: [u32; 2],
+    /// Linear RGB, 0..1.
+    pub background: [f32; 3],
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// The one light.
+    pub light: Light,
+    /// At least one; objects name them by index.
+    pub materials: Vec<Material>,
+    /// Placed meshes, in drawing order.
+    pub objects: Vec<Object>,
+    /// Triangles in pixels, drawn after the objects.
+    pub screen: Vec<ScreenTriangle>,
+    /// What was tolerated while loading, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// The largest width and height of an image, in pixels.
+pub const MAX_SIZE: u32 = 16_384;
+
+/// A perspective or orthographic camera, right-handed, looking from `eye` to `target`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Position.
+    pub eye: DVec3,
+    /// The point in the middle of the image.
+    pub target: DVec3,
+    /// Roughly up; not parallel to the line of sight.
+    pub up: DVec3,
+    /// The kind of projection and its field of view.
+    pub projection: Projection,
+    /// Distance of the near plane, > 0 for a perspective.
+    pub near: f64,
+    /// Distance of the far plane, > near.
+    pub far: f64,
+}
+
+/// How a camera projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// The vertical field of view in degrees, above 0 and below 180.
+    Perspective {
+        /// Degrees.
+        fov_y: f64,
+    },
+    /// The height of the visible box in world units.
+    Orthographic {
+        /// World units.
+        height: f64,
+    },
+}
+
+/// One directional light and an ambient term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Unit vector from the surface towards the light, in world space.
+    pub towards: DVec3,
+    /// The share of light that comes from everywhere, 0..1.
+    pub ambient: f32,
+}
+
+/// What a surface looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// For messages.
+    pub name: String,
+    /// Linear RGB, 0..1; multiplied with vertex colours where a mesh has them.
+    pub color: [f32; 3],
+    /// Opacity, 0..1.
+    pub alpha: f32,
+    /// How light acts on it.
+    pub shading: Shading,
+}
+
+/// How light acts on a surface. `raster::shade` states the order of operations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// The colour as it is, unlit.
+    Flat,
+    /// Ambient plus diffuse by the cosine of the angle to the light.
+    #[default]
+    Lambert,
+    /// From cool to warm with that cosine (Gooch et al., SIGGRAPH 1998).
+    Gooch,
+}
+
+/// A mesh somewhere in the world.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Shared, since scenes repeat meshes.
+    pub mesh: Arc<Mesh>,
+    /// From mesh to world space.
+    pub transform: DMat4,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+}
+
+/// Indexed triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Finite.
+    pub positions: Vec<[f32; 3]>,
+    /// Empty, or one per position; need not be unit length.
+    pub normals: Vec<[f32; 3]>,
+    /// Empty, or one linear RGB per position.
+    pub colors: Vec<[f32; 3]>,
+    /// Each index is below `positions.len()`.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A triangle in pixels: x right, y down, the centre of the first pixel at (0.5, 0.5), z in 0..1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenTriangle {
+    /// x, y, z of the corners; x and y within ±32,768 pixels.
+    pub points: [[f64; 3]; 3],
+    /// Linear RGB and opacity, 0..1.
+    pub color: [f32; 4],
+}
