@@ -48,15 +48,16 @@ mod tests {
 
     #[test]
     fn bytes_round_halves_up_and_clamp() {
-        assert_eq!([byte(-1.0), byte(0.0), byte(0.5), byte(1.0), byte(2.0), byte(f32::NAN)], [
-            0, 0, 128, 255, 255, 0
-        ]);
+        assert_eq!(
+            [byte(-1.0), byte(0.0), byte(0.5), byte(1.0), byte(2.0), byte(f32::NAN)],
+            [0, 0, 128, 255, 255, 0]
+        );
     }
 
     #[test]
     fn srgb_is_monotone_and_hits_its_ends() {
         assert_eq!((srgb(0), srgb(u16::MAX)), (0, 255));
         assert!((1..=u16::MAX).all(|c| srgb(c - 1) <= srgb(c)));
-        assert_eq!(srgb(14_026), 128, "linear 0.21402 is sRGB 0.50");
+        assert_eq!((srgb(14_027), srgb(14_028)), (127, 128), "sRGB 0.5 is linear 0.214041");
     }
 }
