@@ -7,7 +7,9 @@
 //! `render` → `report` → `cli`
 
 pub mod error;
+pub mod fragment;
 pub mod image;
 pub mod num;
+pub mod raster;
 pub mod render;
 pub mod scene;
