@@ -9,7 +9,10 @@
 pub mod error;
 pub mod fragment;
 pub mod image;
+pub mod memory;
 pub mod num;
 pub mod raster;
 pub mod render;
+pub mod resolve;
 pub mod scene;
+pub mod scheme;

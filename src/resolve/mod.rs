@@ -1,0 +1,7 @@
+//! From a pixel's kept fragments to a list and a colour: shared by all schemes.
+
+pub mod composite;
+pub mod lists;
+pub mod sort;
+
+pub use lists::Lists;
