@@ -7,6 +7,7 @@
 //! `render` → `report` → `cli`
 
 pub mod error;
+pub mod exec;
 pub mod fragment;
 pub mod image;
 pub mod memory;

@@ -28,6 +28,11 @@ pub trait Observer {
     /// A wait.
     #[inline(always)]
     fn spin(&self) {}
+
+    /// What it counted, if it counts.
+    fn counters(&self) -> Option<&Counters> {
+        None
+    }
 }
 
 impl Observer for () {}
@@ -66,7 +71,7 @@ pub struct Counters {
 
 impl Counters {
     /// Add another's counts to these.
-    pub fn merge(&self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         for (a, b) in self.counts.iter().zip(&other.counts) {
             a.set(a.get() + b.get());
         }
@@ -117,5 +122,9 @@ impl Observer for Counters {
     #[inline(always)]
     fn spin(&self) {
         self.bump(SPINS, 1);
+    }
+
+    fn counters(&self) -> Option<&Counters> {
+        Some(self)
     }
 }

@@ -106,4 +106,14 @@ impl Grid {
         let tile = y / self.tile * self.columns() + x / self.tile;
         tile * self.tile * self.tile + self.local_pixel(x, y)
     }
+
+    /// The screen position of a storage place within a tile; it may lie outside the image.
+    #[inline]
+    #[must_use]
+    pub fn position(&self, tile: usize, local: u32) -> (u32, u32) {
+        let blocks = self.tile / BLOCK;
+        let (block, bit) = (local / 64, local % 64);
+        let corner = self.tile_rect(tile);
+        (corner.x0 + block % blocks * BLOCK + bit % 8, corner.y0 + block / blocks * BLOCK + bit / 8)
+    }
 }

@@ -1,6 +1,8 @@
 //! Contracts: what a method promises, as data.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+
+use crate::num::depth::Format;
 
 /// What a method promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -36,6 +38,9 @@ pub struct Contract {
     pub needs: &'static str,
     /// How WGSL can express it; `None` if it cannot.
     pub wgsl: Option<&'static str>,
+    /// The depth word its paper fixes.
+    #[serde(serialize_with = "format_name")]
+    pub depth_format: Format,
     /// `-k` if it is not given; `None` where the method keeps all or measures the scene.
     pub default_k: Option<u32>,
     /// The largest `-k`.
@@ -104,4 +109,8 @@ impl Contract {
     pub fn base_name(&self) -> &'static str {
         self.name.split('@').next().unwrap_or(self.name)
     }
+}
+
+fn format_name<S: Serializer>(format: &Format, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(format.name())
 }
