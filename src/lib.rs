@@ -6,8 +6,12 @@
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
 //! `render` → `report` → `cli`
 
+pub mod cli;
 pub mod error;
 pub mod image;
 pub mod num;
 pub mod render;
+pub mod report;
+pub mod resolve;
 pub mod scene;
+pub mod scheme;

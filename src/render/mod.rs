@@ -126,32 +126,60 @@ pub struct Rendering {
 /// The accounting of a frame: the fields of `render --json`, by those names.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Report {
+    /// The method's name in the catalogue, with `@variant` if any.
     pub method: String,
+    /// The scene's name.
     pub scene: String,
+    /// Who ran the invocations, with the policy and seed of a simulated device.
     pub exec: String,
+    /// Worker threads used, at least 1.
     pub threads: usize,
+    /// Fragments kept per pixel; `None` where the method keeps all.
     pub k: Option<u32>,
+    /// Pixels across.
     pub width: u32,
+    /// Pixels down.
     pub height: u32,
+    /// Triangles of the scene, before clipping and culling.
     pub triangles: u64,
+    /// Triangles of zero area, before or after snapping; they generate nothing.
     pub degenerate: u64,
+    /// Fragments that one geometry pass generates.
     pub generated: u64,
+    /// Fragments that a race stored more than once, counted beyond the first.
     pub duplicated: u64,
+    /// Fragments in the lists that were never generated: halves of different ones, put together by a race.
     pub torn: u64,
+    /// Fragments in the resolved lists.
     pub kept: u64,
+    /// Fragments that went into another one.
     pub merged: u64,
+    /// Fragments rejected before they were stored.
     pub culled: u64,
+    /// Fragments stored and pushed out again by nearer ones.
     pub evicted: u64,
+    /// Fragments that should have been kept and were not: reason to count. `lost`: by a race.
     pub dropped: BTreeMap<String, u64>,
+    /// The names of the fields that no schedule can change.
     pub deterministic: Vec<String>,
+    /// The most fragments generated at one pixel.
     pub max_depth_complexity: u32,
+    /// Bytes of the method's memory.
     pub bytes: u64,
+    /// Geometry passes.
     pub passes: u32,
+    /// [`Image::hash`] of the picture.
     pub image_hash: String,
+    /// [`fragments_hash`](crate::resolve::hash::fragments_hash) of the resolved lists.
     pub fragments_hash: String,
+    /// Memory operations by kind; empty unless asked for.
     pub counters: BTreeMap<String, u64>,
+    /// Wall time by pass, in seconds: the only field that differs from run to run of one schedule.
     pub seconds: BTreeMap<String, f64>,
+    /// What was tolerated, one sentence each.
     pub warnings: Vec<String>,
+    /// What must not happen and did, one sentence each: accounts that do not balance, say.
+    pub violations: Vec<String>,
 }
 
 /// Draw `scene`.

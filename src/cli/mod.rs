@@ -1,0 +1,1 @@
+//! The `fragloom` command.

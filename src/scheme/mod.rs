@@ -1,0 +1,5 @@
+//! Methods and their contracts.
+
+pub mod contract;
+
+pub use contract::{Contract, Form, Keeps, contracts};
