@@ -6,6 +6,7 @@
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
 //! `render` → `report` → `cli`
 
+pub mod cli;
 pub mod error;
 pub mod exec;
 pub mod fragment;
@@ -14,6 +15,7 @@ pub mod memory;
 pub mod num;
 pub mod raster;
 pub mod render;
+pub mod report;
 pub mod resolve;
 pub mod scene;
 pub mod scheme;

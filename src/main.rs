@@ -1,3 +1,7 @@
 //! The `fragloom` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    fragloom::cli::main()
+}

@@ -17,7 +17,8 @@ pub fn code(z: f64) -> u32 {
 }
 
 /// What a scheme stores for a depth code. Every format keeps the order of codes, and never makes [`EMPTY`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     /// The code itself.
     #[default]

@@ -119,7 +119,7 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> Config {
 
 fn record(options: &Options, contract: &Contract) -> Record {
     Record {
-        depth: options.depth_format.unwrap_or(contract.depth_format),
+        depth: options.depth_format.or(contract.depth_format).unwrap_or_default(),
         data: options.data,
     }
 }

@@ -1,6 +1,7 @@
 //! From a pixel's kept fragments to a list and a colour: shared by all schemes.
 
 pub mod composite;
+pub mod hash;
 pub mod lists;
 pub mod sort;
 

@@ -7,7 +7,6 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::num::depth::Format;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -52,7 +51,7 @@ const CONTRACT: Contract = Contract {
     overflow: "drop by arrival, counted",
     needs: "32-bit atomic add, relaxed",
     wgsl: Some("storage buffers; atomicAdd"),
-    depth_format: Format::D32,
+    depth_format: None,
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::MaxDepthComplexity,

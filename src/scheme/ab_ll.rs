@@ -7,7 +7,6 @@
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::num::depth::Format;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -43,7 +42,7 @@ impl Scheme for AbLinkedList {
         overflow: "drop, counted",
         needs: "32-bit atomic add and exchange, relaxed",
         wgsl: Some("storage buffers; atomicAdd, atomicExchange"),
-        depth_format: Format::D32,
+        depth_format: None,
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Generated,

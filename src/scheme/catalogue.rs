@@ -55,6 +55,12 @@ catalogue! {
     KPlusArray<OneTest>,
 }
 
+/// Every method's contract; the oracle comes first.
+#[must_use]
+pub fn contracts() -> Vec<&'static Contract> {
+    CONTRACTS.iter().collect()
+}
+
 /// The contract of the method of that name.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Contracts: what a method promises, as data.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::num::depth::Format;
 
@@ -38,9 +38,8 @@ pub struct Contract {
     pub needs: &'static str,
     /// How WGSL can express it; `None` if it cannot.
     pub wgsl: Option<&'static str>,
-    /// The depth word its paper fixes.
-    #[serde(serialize_with = "format_name")]
-    pub depth_format: Format,
+    /// The depth word that the paper fixes; `None` where any will do.
+    pub depth_format: Option<Format>,
     /// `-k` if it is not given; `None` where the method keeps all or measures the scene.
     pub default_k: Option<u32>,
     /// The largest `-k`.
@@ -109,8 +108,4 @@ impl Contract {
     pub fn base_name(&self) -> &'static str {
         self.name.split('@').next().unwrap_or(self.name)
     }
-}
-
-fn format_name<S: Serializer>(format: &Format, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(format.name())
 }

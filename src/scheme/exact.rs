@@ -2,7 +2,6 @@
 //! fragment of a pixel, sorts them, and keeps the nearest k. Right by reading.
 
 use crate::fragment::{Fragment, Packet};
-use crate::num::depth::Format;
 use crate::raster::{Batch, FrontEnd, Record};
 use crate::scheme::contract::{Contract, Demand, Form, Keeps};
 
@@ -23,7 +22,7 @@ pub const CONTRACT: Contract = Contract {
     overflow: "none",
     needs: "nothing: it is sequential",
     wgsl: None,
-    depth_format: Format::D32,
+    depth_format: None,
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::Nothing,

@@ -8,7 +8,7 @@
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Layout, Memory, Pixel, Plain, Words};
-use crate::num::depth::{EMPTY, Format};
+use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -50,7 +50,7 @@ impl Scheme for KBuffer {
         overflow: "the farthest is evicted",
         needs: "nothing it could get",
         wgsl: Some("storage buffers; a data race"),
-        depth_format: Format::D32,
+        depth_format: None,
         default_k: Some(8),
         max_k: MAX_K as u32,
         demand: Demand::Nothing,

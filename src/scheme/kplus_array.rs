@@ -20,7 +20,6 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::num::depth::Format;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -74,7 +73,7 @@ const CONTRACT: Contract = Contract {
     overflow: "the farthest is evicted",
     needs: "acquire and release on a 32-bit word; forward progress of the lock's holder",
     wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
-    depth_format: Format::D32,
+    depth_format: None,
     default_k: Some(8),
     max_k: u32::MAX / 4,
     demand: Demand::Nothing,

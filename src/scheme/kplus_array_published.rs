@@ -8,7 +8,6 @@
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::num::depth::Format;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -39,7 +38,7 @@ impl Scheme for KPlusArrayPublished {
         overflow: "the farthest is evicted",
         needs: "32-bit atomic exchange; forward progress of the lock's holder",
         wgsl: Some("storage buffers; a data race"),
-        depth_format: Format::D32,
+        depth_format: None,
         default_k: Some(8),
         max_k: u32::MAX / 4,
         demand: Demand::Nothing,

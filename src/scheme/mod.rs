@@ -18,6 +18,7 @@ pub mod z_buffer;
 
 use std::future::Future;
 
+pub use catalogue::contracts;
 pub use contract::{Contract, Form, Keeps};
 
 use crate::fragment::Fragment;

@@ -3,7 +3,7 @@
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
-use crate::num::depth::{EMPTY, Format};
+use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -32,7 +32,7 @@ impl Scheme for ZBuffer {
         overflow: "none",
         needs: "64-bit atomic min, relaxed",
         wgsl: Some("the device's depth test, or 64-bit atomicMin where there is one"),
-        depth_format: Format::D32,
+        depth_format: None,
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Nothing,

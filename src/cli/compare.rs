@@ -1,0 +1,161 @@
+//! `fragloom compare`: several methods against the exact reference.
+//!
+//! A method that keeps k fragments is held to the reference with the same k, whose lists it must equal; beside
+//! that stands how far its picture is from the one with all fragments, which is the price of k. All methods and
+//! the reference store depths in one format: the coarsest that any of them fixes.
+
+mod row;
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::{Path, PathBuf};
+
+use self::row::Row;
+use super::flags::{Drawing, Output};
+use super::settings::resolve;
+use super::{Verdict, catalogue, say, wait};
+use crate::error::{Error, Result};
+use crate::image::{difference, png, sheet};
+use crate::num::depth::Format;
+use crate::render::{Exec, Options, Rendering, render};
+use crate::report::{files, json};
+use crate::scene::{self, Scene};
+use crate::scheme::{Contract, Form, contracts};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
+    #[arg(value_name = "SCENE")]
+    scene: String,
+
+    /// Methods to compare, separated by commas [default: all in their correct form]
+    #[arg(short, long, value_name = "METHOD,...", value_delimiter = ',')]
+    methods: Vec<String>,
+
+    /// The method that is right by definition
+    #[arg(long, value_name = "METHOD", default_value = "exact")]
+    reference: String,
+
+    /// A folder that exists, for one picture per method, compare-METHOD.png: exact, method, differences
+    /// [default: not written]
+    #[arg(short = 'o', value_name = "DIR")]
+    folder: Option<PathBuf>,
+
+    #[command(flatten)]
+    drawing: Drawing,
+
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Draw everything, write the sheets, print a row per method.
+///
+/// # Errors
+/// Wrong options or scene, or a file that cannot be written.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let methods = methods(args)?;
+    let reference = catalogue::find("--reference", &args.reference)?;
+    let mut settings = resolve(&args.drawing, reference.name, false)?;
+    settings.options.counters = false;
+    if settings.options.depth_format.is_none() {
+        settings.options.depth_format = Some(common_format(&methods, reference));
+    }
+    if let Some(folder) = &args.folder {
+        files::check_folder("-o", folder)?;
+    }
+    let quiet = args.output.quiet;
+    let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
+    settings.warnings.iter().chain(&scene.warnings).for_each(|warning| say::warning(warning));
+    let mut session =
+        Session { scene, options: settings.options, quiet, references: BTreeMap::new() };
+    let rows = methods.iter().map(|method| session.compare(method, args.folder.as_deref()));
+    let rows: Vec<Row> = rows.collect::<Result<_>>()?;
+    let text = if args.output.json { json::document(&rows)? } else { row::table(&rows) };
+    say::result(&text)?;
+    for row in &rows {
+        row.violations.iter().for_each(|it| say::violation(&format!("{}: {it}", row.method)));
+    }
+    Ok(if rows.iter().all(Row::agrees) { Verdict::Clean } else { Verdict::Found })
+}
+
+/// The methods typed, or all correct ones but the reference.
+fn methods(args: &Args) -> Result<Vec<&'static Contract>> {
+    if !args.methods.is_empty() {
+        return args.methods.iter().map(|name| catalogue::find("-m", name)).collect();
+    }
+    let wanted =
+        |contract: &&Contract| contract.form == Form::Correct && contract.name != args.reference;
+    Ok(contracts().into_iter().filter(wanted).collect())
+}
+
+fn common_format(methods: &[&Contract], reference: &Contract) -> Format {
+    let fixed = methods.iter().copied().chain([reference]).filter_map(|it| it.depth_format);
+    let coarseness = |format: &Format| Format::ALL.iter().position(|known| known == format);
+    fixed.max_by_key(coarseness).unwrap_or_default()
+}
+
+/// One scene, and the reference's frames as far as they were needed.
+struct Session {
+    scene: Scene,
+    /// `method` is the reference's.
+    options: Options,
+    quiet: bool,
+    /// By the reference's k; `None` is all fragments.
+    references: BTreeMap<Option<u32>, Rendering>,
+}
+
+impl Session {
+    fn compare(&mut self, method: &Contract, folder: Option<&Path>) -> Result<Row> {
+        let options = Options { method: method.name.to_owned(), ..self.options.clone() };
+        let drawn = self.draw(&options)?;
+        let k = method.reference_k(self.options.k);
+        self.prepare(None)?;
+        self.prepare(k)?;
+        let (all, same) = (&self.references[&None], &self.references[&k]);
+        let mut row = Row::new(method.name, &self.options.method, k, &drawn);
+        row.lists_equal = drawn.lists == same.lists;
+        row.from_reference = difference::measure(&same.image, &drawn.image)?;
+        row.from_all = difference::measure(&all.image, &drawn.image)?;
+        if let Some(folder) = folder {
+            let path = folder.join(format!("compare-{}.png", method.name));
+            let picture = sheet::compose(&row.labels(&self.scene.name), &all.image, &drawn.image)?;
+            let bytes = png::encode(&picture)
+                .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+            files::write_bytes(&path, &bytes)?;
+        }
+        Ok(row)
+    }
+
+    /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it.
+    fn prepare(&mut self, k: Option<u32>) -> Result<()> {
+        let options = Options { k, exec: Exec::Tile, ..self.options.clone() };
+        if self.references.contains_key(&k) {
+            return Ok(());
+        }
+        let drawn = self.draw(&options)?;
+        if let Entry::Vacant(place) = self.references.entry(k) {
+            place.insert(drawn);
+        }
+        Ok(())
+    }
+
+    fn draw(&self, options: &Options) -> Result<Rendering> {
+        let message = format!("drawing {} with {}", self.scene.name, options.method);
+        wait::during(self.quiet, &message, || render(&self.scene, options))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_coarsest_fixed_format_wins() {
+        let with = |depth_format| Contract { depth_format, ..*contracts()[0] };
+        let [free, f32, d24] = [None, Some(Format::F32), Some(Format::D24)].map(with);
+        assert_eq!(common_format(&[&free], &free), Format::D32);
+        assert_eq!(common_format(&[&free, &f32], &free), Format::F32);
+        assert_eq!(common_format(&[&d24, &f32], &free), Format::D24);
+        assert_eq!(common_format(&[&free], &d24), Format::D24);
+    }
+}

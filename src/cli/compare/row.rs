@@ -1,0 +1,196 @@
+//! What a comparison found for one method: in JSON, as a line of the table, and as the texts of its sheet.
+
+use serde::Serialize;
+
+use crate::image::difference::Difference;
+use crate::image::sheet::Labels;
+use crate::render::Rendering;
+use crate::report::text::{Align, columns, percent, thousands};
+
+/// One method beside its reference.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Row {
+    pub(super) method: String,
+    pub(super) scene: String,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) exec: String,
+    /// The reference method.
+    pub(super) reference: String,
+    /// Fragments per pixel kept by the reference that the lists must equal; `None` is all.
+    pub(super) reference_k: Option<u32>,
+    pub(super) generated: u64,
+    pub(super) kept: u64,
+    /// Fragments that a race lost.
+    pub(super) lost: u64,
+    /// Fragments dropped for whatever reason, lost ones included.
+    pub(super) dropped: u64,
+    pub(super) lists_equal: bool,
+    /// Against the reference with `reference_k`.
+    pub(super) from_reference: Difference,
+    /// Against the reference with all fragments.
+    pub(super) from_all: Difference,
+    pub(super) image_hash: String,
+    pub(super) fragments_hash: String,
+    pub(super) warnings: Vec<String>,
+    pub(super) violations: Vec<String>,
+}
+
+impl Row {
+    /// The row of a frame, differences still to be filled in.
+    pub(super) fn new(method: &str, reference: &str, k: Option<u32>, drawn: &Rendering) -> Self {
+        let report = &drawn.report;
+        Self {
+            method: method.to_owned(),
+            scene: report.scene.clone(),
+            width: report.width,
+            height: report.height,
+            exec: report.exec.clone(),
+            reference: reference.to_owned(),
+            reference_k: k,
+            generated: report.generated,
+            kept: report.kept,
+            lost: report.dropped.get("lost").copied().unwrap_or(0),
+            dropped: report.dropped.values().sum(),
+            image_hash: report.image_hash.clone(),
+            fragments_hash: report.fragments_hash.clone(),
+            warnings: report.warnings.clone(),
+            violations: report.violations.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Nothing differs from the reference, and nothing happened that must not.
+    pub(super) fn agrees(&self) -> bool {
+        self.lists_equal && self.from_reference.differing == 0 && self.violations.is_empty()
+    }
+
+    /// `exact`, or `exact -k 8`.
+    fn held_to(&self) -> String {
+        self.reference_k
+            .map_or_else(|| self.reference.clone(), |k| format!("{} -k {k}", self.reference))
+    }
+
+    /// The texts of this row's sheet.
+    pub(super) fn labels(&self, scene: &str) -> Labels {
+        let size = format!("{}\u{d7}{}", self.width, self.height);
+        let kept = self.reference_k.map_or_else(|| "all kept".to_owned(), |k| format!("k = {k}"));
+        let differing = self.from_all.differing;
+        let share = percent(differing, self.from_all.pixels);
+        let lists = if self.lists_equal { "equal" } else { "differ from" };
+        Labels {
+            title: format!("{} \u{b7} {scene} \u{b7} {size} \u{b7} {kept}", self.method),
+            facts: format!(
+                "lost {}, differing pixels {} ({share}), at most by {}; lists {lists} {}",
+                thousands(self.lost),
+                thousands(differing),
+                self.from_all.max,
+                self.held_to()
+            ),
+            captions: [
+                format!("{}, all fragments", self.reference),
+                self.method.clone(),
+                "difference".to_owned(),
+            ],
+        }
+    }
+
+    fn cells(&self) -> Vec<String> {
+        vec![
+            self.method.clone(),
+            self.held_to(),
+            thousands(self.kept),
+            thousands(self.lost),
+            thousands(self.dropped),
+            if self.lists_equal { "yes" } else { "NO" }.to_owned(),
+            thousands(self.from_reference.differing),
+            self.from_reference.max.to_string(),
+            thousands(self.from_all.differing),
+            self.from_all.max.to_string(),
+            format!("{:.4}", self.from_all.mean()),
+        ]
+    }
+}
+
+/// The rows under a heading, with what they have in common above.
+pub(super) fn table(rows: &[Row]) -> String {
+    let Some(first) = rows.first() else { return "no methods to compare\n".to_owned() };
+    let heading = [
+        "method",
+        "held to",
+        "kept",
+        "lost",
+        "dropped",
+        "lists equal",
+        "pixels differ",
+        "max",
+        "from all fragments",
+        "max",
+        "mean",
+    ];
+    let mut cells = vec![heading.map(str::to_owned).to_vec()];
+    cells.extend(rows.iter().map(Row::cells));
+    let mut aligned = [Align::Right; 11];
+    aligned[..2].fill(Align::Left);
+    let wrong = rows.iter().filter(|row| !row.agrees()).count();
+    let summary = match wrong {
+        0 => "all agree with their reference".to_owned(),
+        n => format!("{n} of {} differ from their reference", rows.len()),
+    };
+    format!(
+        "{} at {}x{}, {}, {} fragments\n\n{}\n{summary}\n",
+        first.scene,
+        first.width,
+        first.height,
+        first.exec,
+        thousands(first.generated),
+        columns(&aligned, &cells)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row() -> Row {
+        let from_all = Difference { pixels: 4_096, differing: 12, max: 33, sums: [40, 0, 0, 0] };
+        Row {
+            method: "kplus-array".into(),
+            scene: "cubes".into(),
+            width: 64,
+            height: 64,
+            reference: "exact".into(),
+            reference_k: Some(8),
+            kept: 1_234,
+            lists_equal: true,
+            from_all,
+            ..Row::default()
+        }
+    }
+
+    #[test]
+    fn the_price_of_k_is_no_disagreement() {
+        assert!(row().agrees());
+        assert!(table(&[row()]).ends_with("\nall agree with their reference\n"));
+    }
+
+    #[test]
+    fn each_kind_of_disagreement_counts() {
+        let pixel = Difference { differing: 1, ..Difference::default() };
+        let wrong = [
+            Row { lists_equal: false, ..row() },
+            Row { from_reference: pixel, ..row() },
+            Row { violations: vec!["unbalanced".into()], ..row() },
+        ];
+        assert!(wrong.iter().all(|row| !row.agrees()));
+        assert!(table(&wrong).ends_with("\n3 of 3 differ from their reference\n"));
+    }
+
+    #[test]
+    fn a_sheet_says_what_was_compared() {
+        let labels = row().labels("cubes");
+        assert_eq!(labels.title, "kplus-array \u{b7} cubes \u{b7} 64\u{d7}64 \u{b7} k = 8");
+        let facts = "lost 0, differing pixels 12 (0.29 %), at most by 33; lists equal exact -k 8";
+        assert_eq!(labels.facts, facts);
+    }
+}

@@ -1,0 +1,119 @@
+//! What can be typed, exactly as it was typed: nothing is checked or completed here beyond the form of numbers.
+
+use clap::{Args, ValueEnum};
+
+/// Options of every command that draws.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Drawing {
+    /// Fragments kept per pixel, at least 1 [default: the method's own; 8 for k-buffers, all for exact and A-buffers]
+    #[arg(short, value_name = "N", allow_negative_numbers = true)]
+    pub(super) k: Option<u32>,
+
+    /// Image size in pixels, each edge 1 to 16384 [default: the scene's, else 1024x1024]
+    #[arg(long, value_name = "WxH")]
+    pub(super) size: Option<String>,
+
+    /// Opacity of every material, 0 to 1 [default: the scene's, else 0.5]
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub(super) alpha: Option<f32>,
+
+    /// Shading of every material [default: the scene's, else lambert]
+    #[arg(long, value_enum, value_name = "SHADING")]
+    pub(super) shading: Option<Shading>,
+
+    /// Who runs the invocations: parallel tiles, contending threads, or a simulated device
+    #[arg(long, value_enum, value_name = "EXECUTOR", default_value = "tile")]
+    pub(super) exec: Exec,
+
+    /// Worker threads; 0 is one per core
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    pub(super) threads: usize,
+
+    /// Seed of `--schedule random`, 64 bits [default: 0]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(super) seed: Option<u64>,
+
+    /// With `--exec sim`, who goes next: order, reverse, round-robin, random, warp:N (lanes) or recorded:FILE
+    /// (as `render --record` wrote it) [default: random]
+    #[arg(long, value_name = "POLICY")]
+    pub(super) schedule: Option<String>,
+
+    /// With `--exec sim`, invocations in flight, at least 1 [default: 4096]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(super) resident: Option<usize>,
+
+    /// Sub-pixel bits that vertices are snapped to, 8 or 4
+    #[arg(long, value_name = "BITS", default_value_t = 8, allow_negative_numbers = true)]
+    pub(super) sub_pixel_bits: u32,
+
+    /// Tile edge in pixels, 16, 32 or 64
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, allow_negative_numbers = true)]
+    pub(super) tile: u32,
+
+    /// What is stored for a depth [default: the method's own; d32 unless its paper fixes another]
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub(super) depth_format: Option<DepthFormat>,
+
+    /// The 32-bit word stored with a depth: RGBA8, or the global triangle index
+    #[arg(long, value_enum, value_name = "WORD", default_value = "color")]
+    pub(super) data: Data,
+
+    /// Which faces are left out; front is counter-clockwise
+    #[arg(long, value_enum, value_name = "FACES", default_value = "none")]
+    pub(super) cull_face: CullFace,
+
+    /// Refuse a run that needs more memory, in bytes; K, M, G and T are powers of 1024
+    #[arg(long, value_name = "BYTES", default_value = "8G", allow_negative_numbers = true)]
+    pub(super) max_memory: String,
+}
+
+/// Options of every command that prints.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Output {
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Show no progress
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// `--exec`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Exec {
+    Tile,
+    Threads,
+    Sim,
+}
+
+/// `--shading`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Shading {
+    Flat,
+    Lambert,
+    Gooch,
+}
+
+/// `--depth-format`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum DepthFormat {
+    D32,
+    D24,
+    F32,
+}
+
+/// `--data`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Data {
+    Color,
+    Primitive,
+}
+
+/// `--cull-face`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum CullFace {
+    None,
+    Front,
+    Back,
+}

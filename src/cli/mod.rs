@@ -1,0 +1,143 @@
+//! The command line: one file per command. A command takes what was typed ([`flags`]), checks and completes it
+//! ([`settings`]), runs, and says what it found.
+//!
+//! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
+//! stdout, everything else to stderr, one line each.
+
+mod catalogue;
+mod compare;
+mod flags;
+mod methods;
+mod render;
+mod say;
+mod scenes;
+mod settings;
+mod values;
+mod wait;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use crate::error::Result;
+
+/// A bit-exact CPU rasterizer that runs multi-fragment shaders as concurrent programs.
+#[derive(Debug, Parser)]
+#[command(name = "fragloom", version, disable_help_subcommand = true)]
+#[command(after_help = "Exit codes: 0 nothing wrong; 1 a difference or a violation; 2 an error.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Draw a scene with one method; print the accounting of its fragments.
+    Render(Box<render::Args>),
+    /// Draw a scene with several methods and compare each with the exact reference.
+    Compare(Box<compare::Args>),
+    /// List the methods, from their contracts.
+    Methods(methods::Args),
+    /// List the built-in procedural scenes.
+    Scenes(scenes::Args),
+}
+
+/// What a command found; errors are the other way out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Nothing wrong.
+    Clean,
+    /// A difference or a violation.
+    Found,
+}
+
+/// The whole program: reads the process's arguments and gives its exit code.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = match parse(std::env::args_os()) {
+        Ok(cli) => cli,
+        Err(code) => return code,
+    };
+    match run(&cli.command) {
+        Ok(Verdict::Clean) => ExitCode::SUCCESS,
+        Ok(Verdict::Found) => ExitCode::from(1),
+        Err(error) => {
+            say::error(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The command line's definition, for help, completions and tests.
+#[must_use]
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+fn run(command: &Command) -> Result<Verdict> {
+    match command {
+        Command::Render(args) => render::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Methods(args) => methods::run(args),
+        Command::Scenes(args) => scenes::run(args),
+    }
+}
+
+fn parse(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<Cli, ExitCode> {
+    Cli::try_parse_from(arguments).map_err(|error| {
+        if !error.use_stderr() {
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+        say::error(&one_line(&error));
+        ExitCode::from(2)
+    })
+}
+
+/// clap's message without its colours, usage and line breaks.
+fn one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let body =
+        |line: &&str| !line.starts_with("Usage:") && !line.starts_with("For more information");
+    let mut message = String::new();
+    for paragraph in text.split("\n\n").filter(body) {
+        let lines: Vec<&str> = paragraph.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+        if !message.is_empty() && !lines.is_empty() {
+            message += "; ";
+        }
+        message += &lines.join(" ");
+    }
+    message + " (see --help)"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_definition_holds_together() {
+        command().debug_assert();
+    }
+
+    #[test]
+    fn every_argument_has_a_help_text() {
+        for sub in command().get_subcommands() {
+            assert!(sub.get_about().is_some(), "{}", sub.get_name());
+            for argument in sub.get_arguments() {
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+                assert!(help.len() > 8, "{} {argument}", sub.get_name());
+            }
+        }
+    }
+
+    #[test]
+    fn parse_errors_become_one_line() {
+        for bad in [&["render"][..], &["rendr"], &["render", "x", "--sise", "4x4"], &[]] {
+            let line = std::iter::once(&"fragloom").chain(bad);
+            let text = one_line(&Cli::try_parse_from(line).unwrap_err());
+            assert!(!text.contains('\n') && !text.contains("Usage"), "{text}");
+        }
+    }
+}

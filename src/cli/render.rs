@@ -1,0 +1,113 @@
+//! `fragloom render`: draw a scene with one method.
+
+use std::path::PathBuf;
+
+use super::flags::{Drawing, Output};
+use super::settings::{Settings, resolve};
+use super::{Verdict, catalogue, say, wait};
+use crate::error::{Error, Result};
+use crate::image::png;
+use crate::render::{Rendering, render};
+use crate::report::{files, json, npz, table};
+use crate::scene;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
+    #[arg(value_name = "SCENE")]
+    scene: String,
+
+    /// A method of the catalogue (see `fragloom methods`)
+    #[arg(short, long, value_name = "METHOD", default_value = "kplus-array")]
+    method: String,
+
+    #[command(flatten)]
+    drawing: Drawing,
+
+    /// Write the picture, as PNG (sRGB, RGBA8) [default: not written]
+    #[arg(short = 'o', value_name = "FILE.png")]
+    image: Option<PathBuf>,
+
+    /// Write the kept fragments of every pixel, as NumPy arrays [default: not written]
+    #[arg(long, value_name = "FILE.npz")]
+    fragments: Option<PathBuf>,
+
+    /// Write the JSON document of `--json` to a file as well [default: not written]
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+
+    /// With `--exec sim`, write the schedule, for `--schedule recorded:FILE` [default: not written]
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Draw, write the files asked for, print the accounting.
+///
+/// # Errors
+/// Wrong options or scene, or a file that cannot be written.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let contract = catalogue::find("-m", &args.method)?;
+    let settings = resolve(&args.drawing, contract.name, args.record.is_some())?;
+    check_outputs(args)?;
+    let rendering = draw(args, settings)?;
+    let document = json::document(&rendering.report)?;
+    write_outputs(args, &rendering, &document)?;
+    rendering.report.warnings.iter().for_each(|warning| say::warning(warning));
+    let text = if args.output.json { document } else { table::accounting(&rendering.report) };
+    say::result(&text)?;
+    rendering.report.violations.iter().for_each(|violation| say::violation(violation));
+    let clean = rendering.report.violations.is_empty();
+    Ok(if clean { Verdict::Clean } else { Verdict::Found })
+}
+
+fn draw(args: &Args, settings: Settings) -> Result<Rendering> {
+    let quiet = args.output.quiet;
+    let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
+    let message = format!("drawing {} with {}", scene.name, settings.options.method);
+    let mut rendering = wait::during(quiet, &message, || render(&scene, &settings.options))?;
+    let warnings = &mut rendering.report.warnings;
+    for warning in settings.warnings.into_iter().chain(scene.warnings) {
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
+    Ok(rendering)
+}
+
+/// The output files by their options.
+fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
+    let all = [
+        ("-o", &args.image),
+        ("--fragments", &args.fragments),
+        ("--stats", &args.stats),
+        ("--record", &args.record),
+    ];
+    all.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?))).collect()
+}
+
+fn check_outputs(args: &Args) -> Result<()> {
+    let outputs = outputs(args);
+    outputs.iter().try_for_each(|(option, path)| files::check_output(option, path))?;
+    files::check_distinct(&outputs)
+}
+
+fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<()> {
+    if let Some(path) = &args.image {
+        let bytes = png::encode(&rendering.image)
+            .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+        files::write_bytes(path, &bytes)?;
+    }
+    if let Some(path) = &args.fragments {
+        files::write(path, |file| npz::write(file, &rendering.lists))?;
+    }
+    if let (Some(path), Some(schedule)) = (&args.record, &rendering.schedule) {
+        files::write_bytes(path, schedule)?;
+    }
+    if let Some(path) = &args.stats {
+        files::write_bytes(path, document.as_bytes())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! Where words go: results to stdout, the rest to stderr. A reader that has gone away is no fault.
+
+use std::io::{self, ErrorKind, Write};
+
+use crate::error::{Error, Result};
+
+/// A result, whole.
+///
+/// # Errors
+/// stdout cannot be written, for another reason than that nobody reads it.
+pub(super) fn result(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::new("stdout", error.to_string()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `error: place: problem`.
+pub(super) fn error(message: &str) {
+    line("error", message);
+}
+
+/// Something tolerated.
+pub(super) fn warning(message: &str) {
+    line("warning", message);
+}
+
+/// Something that must not happen and did.
+pub(super) fn violation(message: &str) {
+    line("violation", message);
+}
+
+fn line(kind: &str, message: &str) {
+    // There is nowhere left to complain to.
+    let _ = writeln!(io::stderr(), "{kind}: {message}");
+}

@@ -1,0 +1,205 @@
+//! From what was typed to what is run: values are checked and defaults filled in.
+
+use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Shading};
+use super::values;
+use crate::error::{Error, Result};
+use crate::num::depth::Format;
+use crate::render::{self, Options, Policy, Sim};
+use crate::scene::{self, Overrides};
+
+/// Invocations in flight unless `--resident` is given.
+const RESIDENT: usize = 4_096;
+
+/// A run, ready but for the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Settings {
+    /// What the command line changes in the scene.
+    pub(super) overrides: Overrides,
+    /// What it is drawn with.
+    pub(super) options: Options,
+    /// Options that were given and have no effect.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Check and complete what was typed, for a method of the catalogue. `record`: the schedule is wanted.
+///
+/// # Errors
+/// The option that is wrong, and what would be right.
+pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Settings> {
+    if typed.k == Some(0) {
+        return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
+    }
+    one_of("--tile", typed.tile, &[16, 32, 64])?;
+    one_of("--sub-pixel-bits", typed.sub_pixel_bits, &[8, 4])?;
+    let options = Options {
+        method: method.to_owned(),
+        k: typed.k,
+        exec: exec(typed, record)?,
+        threads: typed.threads,
+        tile: typed.tile,
+        sub_pixel_bits: typed.sub_pixel_bits,
+        depth_format: typed.depth_format.map(Format::from),
+        data: typed.data.into(),
+        cull_face: typed.cull_face.into(),
+        counters: true,
+        max_memory: values::bytes("--max-memory", &typed.max_memory)?,
+    };
+    Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
+}
+
+fn overrides(typed: &Drawing) -> Result<Overrides> {
+    if let Some(alpha) = typed.alpha.filter(|alpha| !(0.0..=1.0).contains(alpha)) {
+        return Err(Error::new("--alpha", format!("{alpha} must be an opacity from 0 to 1")));
+    }
+    let size = typed.size.as_deref().map(values::size).transpose()?;
+    Ok(Overrides { size, alpha: typed.alpha, shading: typed.shading.map(scene::Shading::from) })
+}
+
+fn exec(typed: &Drawing, record: bool) -> Result<render::Exec> {
+    let needs_sim = |option| Err(Error::new(option, "needs --exec sim"));
+    match typed.exec {
+        Exec::Sim => Ok(render::Exec::Sim(sim(typed, record)?)),
+        _ if typed.schedule.is_some() => needs_sim("--schedule"),
+        _ if record => needs_sim("--record"),
+        Exec::Tile => Ok(render::Exec::Tile),
+        Exec::Threads => Ok(render::Exec::Threads),
+    }
+}
+
+fn sim(typed: &Drawing, record: bool) -> Result<Sim> {
+    let resident = typed.resident.unwrap_or(RESIDENT);
+    if resident == 0 {
+        return Err(Error::new("--resident", "0 invocations in flight: must be at least 1"));
+    }
+    let policy = typed.schedule.as_deref().map_or(Ok(Policy::Random), values::schedule)?;
+    Ok(Sim { policy, seed: typed.seed.unwrap_or(0), resident, record })
+}
+
+/// Options without effect are no errors: scripts give them to every run.
+fn idle(typed: &Drawing) -> Vec<String> {
+    let simulated = typed.exec == Exec::Sim;
+    let random = typed.schedule.as_deref().is_none_or(|policy| policy == "random");
+    let mut warnings = Vec::new();
+    if typed.seed.is_some() && !(simulated && random) {
+        warnings.push("--seed has no effect without --exec sim --schedule random".to_owned());
+    }
+    if typed.resident.is_some() && !simulated {
+        warnings.push("--resident has no effect without --exec sim".to_owned());
+    }
+    warnings
+}
+
+fn one_of(option: &str, value: u32, right: &[u32]) -> Result<()> {
+    if right.contains(&value) {
+        return Ok(());
+    }
+    let right: Vec<String> = right.iter().map(ToString::to_string).collect();
+    Err(Error::new(option, format!("{value} must be one of {}", right.join(", "))))
+}
+
+impl From<Shading> for scene::Shading {
+    fn from(typed: Shading) -> Self {
+        match typed {
+            Shading::Flat => Self::Flat,
+            Shading::Lambert => Self::Lambert,
+            Shading::Gooch => Self::Gooch,
+        }
+    }
+}
+
+impl From<DepthFormat> for Format {
+    fn from(typed: DepthFormat) -> Self {
+        match typed {
+            DepthFormat::D32 => Self::D32,
+            DepthFormat::D24 => Self::D24,
+            DepthFormat::F32 => Self::F32,
+        }
+    }
+}
+
+impl From<Data> for render::Data {
+    fn from(typed: Data) -> Self {
+        match typed {
+            Data::Color => Self::Color,
+            Data::Primitive => Self::Primitive,
+        }
+    }
+}
+
+impl From<CullFace> for render::CullFace {
+    fn from(typed: CullFace) -> Self {
+        match typed {
+            CullFace::None => Self::None,
+            CullFace::Front => Self::Front,
+            CullFace::Back => Self::Back,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        drawing: Drawing,
+    }
+
+    fn settings(line: &str) -> Result<Settings> {
+        let words = std::iter::once("test").chain(line.split_whitespace());
+        resolve(&Line::try_parse_from(words).unwrap().drawing, "exact", line.contains("warp"))
+    }
+
+    #[test]
+    fn defaults() {
+        let settings = settings("").unwrap();
+        let options = settings.options;
+        assert_eq!((options.method.as_str(), options.k, options.threads), ("exact", None, 0));
+        assert_eq!((options.exec, options.tile), (render::Exec::Tile, 64));
+        assert_eq!((options.sub_pixel_bits, options.depth_format), (8, None));
+        assert_eq!((options.data, options.cull_face), Default::default());
+        assert_eq!((options.counters, options.max_memory), (true, 8 << 30));
+        assert_eq!(settings.overrides.size, None);
+        assert!(settings.warnings.is_empty());
+    }
+
+    #[test]
+    fn a_simulated_device() {
+        let found = settings("--exec sim --schedule warp:8 --resident 9").unwrap().options.exec;
+        let expected = Sim { policy: Policy::Warp(8), seed: 0, resident: 9, record: true };
+        assert_eq!(found, render::Exec::Sim(expected));
+        let found = settings("--exec sim --seed 7").unwrap().options.exec;
+        let expected = Sim { policy: Policy::Random, seed: 7, resident: RESIDENT, record: false };
+        assert_eq!(found, render::Exec::Sim(expected));
+    }
+
+    #[test]
+    fn wrong_values_name_their_option() {
+        for (line, place) in [
+            ("-k 0", "-k"),
+            ("--size 0x1", "--size"),
+            ("--alpha 1.5", "--alpha"),
+            ("--alpha NaN", "--alpha"),
+            ("--alpha -0.1", "--alpha"),
+            ("--tile 8", "--tile"),
+            ("--sub-pixel-bits 5", "--sub-pixel-bits"),
+            ("--max-memory 0", "--max-memory"),
+            ("--schedule random", "--schedule"),
+            ("--exec sim --resident 0", "--resident"),
+            ("--exec sim --schedule fifo", "--schedule"),
+        ] {
+            assert_eq!(settings(line).unwrap_err().place(), place, "{line}");
+        }
+    }
+
+    #[test]
+    fn options_without_effect_are_warned_of() {
+        assert_eq!(settings("--seed 1").unwrap().warnings.len(), 1);
+        assert_eq!(settings("--resident 1 --exec threads").unwrap().warnings.len(), 1);
+        assert_eq!(settings("--seed 1 --exec sim --schedule order").unwrap().warnings.len(), 1);
+        assert!(settings("--seed 1 --exec sim --schedule random").unwrap().warnings.is_empty());
+    }
+}
