@@ -20,6 +20,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -50,7 +51,7 @@ pub enum OneTest {}
 #[derive(Debug)]
 pub struct KPlusArray<V> {
     k: u32,
-    lock: Words<Pixel, Atomic, u32>,
+    lock: SpinLock,
     counter: Words<Pixel, Atomic, u32>,
     depth: Words<Pixel, Atomic, u32>,
     data: Words<Pixel, Plain, u32>,
@@ -114,7 +115,7 @@ impl<V: Variant> Scheme for KPlusArray<V> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            lock: layout.pixel(1),
+            lock: SpinLock::new(layout),
             counter: layout.pixel(1),
             depth: layout.pixel(u64::from(k)),
             data: layout.pixel(u64::from(k)),
@@ -123,7 +124,7 @@ impl<V: Variant> Scheme for KPlusArray<V> {
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        mem.store(self.lock.at(pixel, 0), 0, Order::Relaxed).await;
+        self.lock.clear(mem, pixel).await;
         mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
     }
 
@@ -135,14 +136,14 @@ impl<V: Variant> Scheme for KPlusArray<V> {
             return Outcome::Culled;
         }
         loop {
-            if mem.exchange(self.lock.at(pixel, 0), 1, Order::Acquire).await == 0 {
+            if self.lock.try_acquire(mem, pixel).await == FREE {
                 let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
                 let outcome = if count < self.k {
                     self.append(mem, fragment, count).await
                 } else {
                     self.replace_farthest(mem, fragment).await
                 };
-                mem.store(self.lock.at(pixel, 0), 0, V::UNLOCK).await;
+                self.lock.release(mem, pixel, V::UNLOCK).await;
                 return outcome;
             }
             mem.spin().await;

@@ -14,6 +14,7 @@ pub mod exact;
 pub mod kb;
 pub mod kplus_array;
 pub mod kplus_array_published;
+pub mod lock;
 pub mod z_buffer;
 
 use std::future::Future;

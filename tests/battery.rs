@@ -1,0 +1,212 @@
+//! One battery over the catalogue: every method runs through the same properties, as its contract says.
+//!
+//! * the accounting balances, on every executor
+//! * an order-independent method gives the exact lists (`exact -k`), on every executor and under every policy
+//! * a racy method gives them too where no two invocations of a pixel overlap, unless it depends on arrival
+//! * with k = 1 it is a Z-buffer; with k >= the depth complexity an A-buffer
+//! * its storage is what its formula says
+//! * what it names as deterministic is
+//! * nothing it keeps was invented, and overflow is counted
+
+mod support;
+
+use fragloom::memory::Layout;
+use fragloom::render::{Exec, Lists, Options, Policy, Report};
+use fragloom::scene::Scene;
+use fragloom::scheme::catalogue::{self, Visitor};
+use fragloom::scheme::contract::{Contract, Form, Keeps};
+use fragloom::scheme::{Config, Scheme, contracts};
+use support::{draw, options, policies, scene, sim, small_scenes};
+
+/// The methods that promise something, with a k that bites on the small scenes and one that does not.
+fn cases() -> Vec<(&'static Contract, Option<u32>)> {
+    let promised = contracts().into_iter().filter(|c| c.form != Form::Mutation);
+    let with_k = |c: &'static Contract| {
+        let ks = if c.keeps == Keeps::Nearest { vec![Some(3), Some(64)] } else { vec![None] };
+        ks.into_iter().map(move |k| (c, k))
+    };
+    promised.flat_map(with_k).collect()
+}
+
+fn executors() -> Vec<Exec> {
+    let mut all = vec![Exec::Tile, Exec::Threads];
+    all.extend(policies().map(|p| sim(p, 11)));
+    all
+}
+
+fn with(method: &str, k: Option<u32>, exec: Exec) -> Options {
+    Options { exec, ..options(method, k) }
+}
+
+/// The reference for a method: `exact` with the k that the method promises.
+fn reference(scene: &Scene, contract: &Contract, k: Option<u32>) -> Lists {
+    draw(scene, &options("exact", contract.reference_k(k))).lists
+}
+
+fn balances(report: &Report) -> bool {
+    let dropped: u64 = report.dropped.values().sum();
+    report.generated + report.duplicated + report.torn
+        == report.kept + report.merged + report.culled + report.evicted + dropped
+}
+
+#[test]
+fn accounts_balance_everywhere() {
+    for scene in small_scenes() {
+        let generated = draw(&scene, &options("exact", None)).report.generated;
+        for (contract, k) in cases() {
+            for exec in executors() {
+                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
+                let report = &drawn.report;
+                assert!(balances(report), "{} {exec:?}: {report:?}", contract.name);
+                assert_eq!(report.generated, generated, "{} {exec:?}", contract.name);
+                assert_eq!(report.kept, drawn.lists.keys.len() as u64);
+                assert_eq!(report.violations, Vec::<String>::new());
+            }
+        }
+    }
+}
+
+#[test]
+fn order_independent_methods_give_the_exact_lists() {
+    for scene in small_scenes() {
+        for (contract, k) in cases().into_iter().filter(|(c, _)| c.order_independent()) {
+            let expected = reference(&scene, contract, k);
+            for exec in executors() {
+                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
+                assert_eq!(drawn.lists, expected, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_method_is_exact_one_invocation_after_another() {
+    for scene in small_scenes() {
+        for (contract, k) in cases().into_iter().filter(|(c, _)| !c.arrival_dependent) {
+            let expected = reference(&scene, contract, k);
+            for exec in [Exec::Tile, sim(Policy::Order, 0), sim(Policy::Reverse, 0)] {
+                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
+                assert_eq!(drawn.lists, expected, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+            }
+        }
+    }
+}
+
+/// Arrival shows only at ties or overflow; on a scene without either, one invocation after another is exact for all.
+#[test]
+fn arrival_dependent_methods_are_exact_without_ties_and_overflow() {
+    let scene = scene("synthetic:n=9", [24, 24]);
+    for (contract, k) in cases() {
+        let expected = reference(&scene, contract, k);
+        let drawn = draw(&scene, &with(contract.name, k, Exec::Tile));
+        assert_eq!(drawn.lists, expected, "{} k {k:?}", contract.name);
+    }
+}
+
+#[test]
+fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
+    for scene in small_scenes() {
+        let nearest = draw(&scene, &options("z-buffer", None)).lists;
+        let all = draw(&scene, &options("ab-ll", None)).lists;
+        for (contract, _) in cases().into_iter().filter(|(c, _)| c.keeps == Keeps::Nearest) {
+            if contract.arrival_dependent {
+                continue;
+            }
+            assert_eq!(draw(&scene, &options(contract.name, Some(1))).lists, nearest, "{}", contract.name);
+            assert_eq!(draw(&scene, &options(contract.name, Some(64))).lists, all, "{}", contract.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_named_deterministic_is() {
+    let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
+    for (contract, k) in cases() {
+        let reports: Vec<_> = executors()
+            .into_iter()
+            .map(|exec| draw(&scene, &with(contract.name, k, exec)).report)
+            .map(|r| (r.deterministic.clone(), serde_json::to_value(r).unwrap()))
+            .collect();
+        let (names, first) = &reports[0];
+        assert!(names.iter().any(|n| n == "generated"));
+        for (_, report) in &reports {
+            for name in names {
+                assert_eq!(report[name], first[name], "{} {name}", contract.name);
+            }
+        }
+    }
+}
+
+/// Storage of a pixel, in words of 4 bytes.
+struct PixelWords {
+    k: u32,
+}
+
+impl Visitor for PixelWords {
+    type Output = Option<u64>;
+
+    fn scheme<S: Scheme>(self) -> Option<u64> {
+        let config = Config { k: Some(self.k), generated: 10, max_depth_complexity: self.k };
+        let mut layout = Layout::default();
+        let _ = S::new(&config, &mut layout);
+        Some(layout.per_pixel().bytes() / 4)
+    }
+
+    fn exact(self) -> Option<u64> {
+        None
+    }
+}
+
+/// `a v + b`, with v = k or n, before any comma: the formulas of contracts.
+fn formula(text: &str, value: u64) -> u64 {
+    let pixel = text.split(',').next().expect("a formula");
+    let term = |t: &str| {
+        let number = t.trim_end_matches(['k', 'n']);
+        let factor = if number.is_empty() { 1 } else { number.parse().expect("a number") };
+        if number.len() < t.len() { factor * value } else { factor }
+    };
+    pixel.split('+').map(|t| term(t.trim())).sum()
+}
+
+#[test]
+fn storage_is_what_the_formula_says() {
+    for contract in contracts() {
+        for k in [1, 2, 8, 33] {
+            let words = catalogue::visit(contract.name, PixelWords { k }).expect("in the catalogue");
+            if let Some(words) = words {
+                assert_eq!(words, formula(contract.words, u64::from(k)), "{} k {k}", contract.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn overflow_drops_by_arrival_and_is_counted() {
+    let scene = scene("synthetic:n=14", [24, 24]);
+    let all = draw(&scene, &options("exact", None)).lists;
+    let sizes = all.offsets.windows(2).map(|w| w[1] - w[0]);
+    let overflow: u64 = sizes.map(|f| f.saturating_sub(5)).sum();
+    for exec in executors() {
+        let report = draw(&scene, &with("ab-array", Some(5), exec)).report;
+        assert_eq!(report.dropped.get("overflow"), Some(&overflow));
+        assert_eq!(report.kept + overflow, report.generated);
+        assert!(!report.deterministic.contains(&"image_hash".to_owned()));
+    }
+}
+
+/// All methods keep only what was generated, and the list of each pixel is sorted.
+#[test]
+fn nothing_is_invented() {
+    let scene = scene("cubes", [48, 40]);
+    let all = draw(&scene, &options("exact", None)).lists;
+    for (contract, k) in cases().into_iter().filter(|(c, _)| !c.racy) {
+        let lists = draw(&scene, &with(contract.name, k, Exec::Threads)).lists;
+        for y in 0..40 {
+            for x in 0..48 {
+                let (kept, generated) = (lists.pixel(x, y), all.pixel(x, y));
+                assert!(kept.is_sorted());
+                assert!(kept.iter().all(|key| generated.contains(key)), "{} {x} {y}", contract.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The same bytes over {1, 2, 5 threads} x {tile 16, 64} x {tile, threads, sim with 5 policies}, wherever the contract
+//! says that no schedule shows. Debug and release are compared by running this suite in both: the ledger
+//! (`tests/golden.rs`) is the same for both.
+
+mod support;
+
+use fragloom::fragment::Data;
+use fragloom::num::depth::Format;
+use fragloom::render::{Exec, Options};
+use fragloom::scheme::contracts;
+use fragloom::scheme::contract::Form;
+use support::{draw, options, policies, scene, sim, small_scenes};
+
+/// All ways to run.
+fn configurations() -> Vec<(usize, u32, Exec)> {
+    let mut all = Vec::new();
+    for tile in [16, 64] {
+        for threads in [1, 2, 5] {
+            all.push((threads, tile, Exec::Tile));
+            all.push((threads, tile, Exec::Threads));
+        }
+        all.extend(policies().map(|policy| (2, tile, sim(policy, 5))));
+    }
+    all
+}
+
+#[test]
+fn whatever_runs_it() {
+    let methods = contracts().into_iter().filter(|c| c.order_independent() && c.form == Form::Correct);
+    let mut runs = 0;
+    for contract in methods {
+        for scene in small_scenes() {
+            let base = options(contract.name, contract.default_k.map(|_| 3));
+            let expected = draw(&scene, &base);
+            for (threads, tile, exec) in configurations() {
+                let drawn = draw(&scene, &Options { threads, tile, exec: exec.clone(), ..base.clone() });
+                let what = format!("{} {} {threads} {tile} {exec:?}", contract.name, scene.name);
+                assert_eq!(drawn.report.image_hash, expected.report.image_hash, "{what}");
+                assert_eq!(drawn.report.fragments_hash, expected.report.fragments_hash, "{what}");
+                runs += 1;
+            }
+        }
+    }
+    println!("{runs} runs, one result per method and scene");
+    assert!(runs >= 4 * 5 * 22, "{runs}");
+}
+
+#[test]
+fn other_depth_formats_and_data_words() {
+    let scene = scene("cubes", [40, 40]);
+    for depth_format in Format::ALL {
+        for data in [Data::Color, Data::Primitive] {
+            let base = Options { depth_format: Some(depth_format), data, ..options("kplus-array", Some(4)) };
+            let exact = draw(&scene, &Options { method: "exact".to_owned(), ..base.clone() });
+            for exec in [Exec::Tile, Exec::Threads, sim(fragloom::render::Policy::Random, 3)] {
+                let drawn = draw(&scene, &Options { exec, ..base.clone() });
+                assert_eq!(drawn.lists, exact.lists, "{depth_format:?} {data:?}");
+                assert_eq!(drawn.image, exact.image, "{depth_format:?} {data:?}");
+            }
+        }
+    }
+}
+
+/// Colour looked up at resolve is the colour that would have been stored.
+#[test]
+fn primitive_words_give_the_same_picture() {
+    let scene = scene("bottles:columns=2,rows=2,levels=1,sides=12", [64, 64]);
+    let color = draw(&scene, &options("ab-ll", None));
+    let primitive = Options { data: Data::Primitive, ..options("ab-ll", None) };
+    let primitive = draw(&scene, &primitive);
+    assert!(color.report.kept > 1_000);
+    // Fragments of equal depth stand in the order of their data words, which differ; everything else is the same.
+    let differing = color.image.pixels.iter().zip(&primitive.image.pixels).filter(|(a, b)| a != b);
+    let ties = color.lists.keys.windows(2).filter(|w| w[0] >> 32 == w[1] >> 32).count();
+    assert!(differing.count() <= ties, "only ties may differ");
+}
+
+#[test]
+fn a_recorded_schedule_runs_again_exactly() {
+    use fragloom::render::{Policy, Sim};
+    let scene = scene("synthetic:n=10", [20, 20]);
+    for method in ["kb", "kplus-array", "kplus-array@published", "ab-ll", "ab-array@plain-counter"] {
+        for policy in [Policy::Random, Policy::Warp(4), Policy::RoundRobin] {
+            let recording = Sim { policy, seed: 9, resident: 64, record: true };
+            let base = options(method, Some(3));
+            let first = draw(&scene, &Options { exec: Exec::Sim(recording.clone()), ..base.clone() });
+            let schedule = first.schedule.clone().expect("it was recorded");
+            let again = Sim { policy: Policy::Recorded(schedule.clone()), ..recording };
+            let second = draw(&scene, &Options { exec: Exec::Sim(again), ..base });
+            assert_eq!(second.schedule.as_ref(), Some(&schedule), "{method}");
+            assert_eq!(second.lists, first.lists, "{method}");
+            assert_eq!(second.image, first.image, "{method}");
+            assert_eq!(second.report.counters, first.report.counters, "{method}");
+        }
+    }
+}
+
+#[test]
+fn a_schedule_of_another_run_is_refused() {
+    use fragloom::render::{Policy, Sim, render};
+    let scene = scene("synthetic:n=4", [12, 12]);
+    let recording = Exec::Sim(Sim { record: true, ..Sim::default() });
+    let first = draw(&scene, &Options { exec: recording, ..options("kb", Some(3)) });
+    let schedule = first.schedule.expect("it was recorded");
+    let replay = |bytes: Vec<u8>, k| {
+        let exec = Exec::Sim(Sim { policy: Policy::Recorded(bytes), ..Sim::default() });
+        render(&scene, &Options { exec, ..options("kb", Some(k)) })
+    };
+    assert!(replay(schedule.clone(), 3).is_ok());
+    assert!(replay(schedule.clone(), 4).is_err(), "another k");
+    assert!(replay(schedule[..schedule.len() - 3].to_vec(), 3).is_err(), "cut off");
+    assert!(replay([schedule.clone(), vec![0, 5]].concat(), 3).is_err(), "too long");
+    assert!(replay(b"FLS1".to_vec(), 3).is_err(), "no head");
+    for i in 12..schedule.len().min(400) {
+        let mut damaged = schedule.clone();
+        damaged[i] ^= 0x41;
+        let _ = replay(damaged, 3); // an error or another run, but no panic
+    }
+}
