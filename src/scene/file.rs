@@ -258,10 +258,11 @@ impl ObjectTable {
 
     fn check(&self) -> Unplaced<()> {
         match (&self.file, &self.procedural) {
-            (Some(_), None) => match self.keys.keys().next() {
-                Some(key) => return Err(format!("{key}: is not a key of an object with a file")),
-                None => {}
-            },
+            (Some(_), None) => {
+                if let Some(key) = self.keys.keys().next() {
+                    return Err(format!("{key}: is not a key of an object with a file"));
+                }
+            }
             (None, Some(name)) => self.check_generator(name)?,
             _ => return Err("file: needs either file or procedural".to_owned()),
         }

@@ -29,7 +29,7 @@ pub fn parse(
             .map_err(|problem| Error::new(place, format!("line {}: {problem}", i + 1)))?;
     }
     let materials = sifted.read_libraries(library)?;
-    sifted.assemble(materials)
+    sifted.assemble(&materials)
 }
 
 fn utf8<'a>(bytes: &'a [u8], place: &str) -> Result<&'a str> {
@@ -49,7 +49,10 @@ struct Sifted<'a> {
     normals: usize,
     /// How many faces have normals at all corners, and how many do not.
     faces: [usize; 2],
+    /// In the order in which they are named; the set says which are in it.
     libraries: Vec<&'a str>,
+    named: BTreeSet<&'a str>,
+    missing: Vec<&'a str>,
     used: BTreeSet<&'a str>,
     warnings: Vec<String>,
 }
@@ -77,7 +80,7 @@ impl<'a> Sifted<'a> {
                 self.used.insert(rest);
             }
             "mtllib" => {
-                if !self.libraries.contains(&rest) {
+                if self.named.insert(rest) {
                     self.libraries.push(rest);
                 }
                 return Ok(());
@@ -148,33 +151,32 @@ impl<'a> Sifted<'a> {
         for name in std::mem::take(&mut self.libraries) {
             match library(name) {
                 Some(bytes) => materials.extend(mtl(&bytes, name)?),
-                None => {
-                    self.warn(format!("mtllib: {name:?} was not found; its materials are grey"))
-                }
+                None => self.missing.push(name),
             }
         }
         Ok(materials)
     }
 
-    fn warn(&mut self, warning: String) {
+    fn warn(&mut self, warning: &str) {
         self.warnings.push(format!("{}: {warning}", self.place));
     }
 
     /// Lets `tobj` build the meshes, and takes them over.
-    fn assemble(mut self, materials: Vec<tobj::Material>) -> Result<Model> {
+    fn assemble(mut self, materials: &[tobj::Material]) -> Result<Model> {
         if self.faces == [0, 0] {
             return Err(Error::new(self.place, "f: there is no face; it needs at least one"));
         }
-        self.warn_of_gaps(&materials);
+        self.warn_of_gaps(materials);
         let mut model = Model { warnings: self.warnings, ..Model::default() };
-        for material in &materials {
+        for material in materials {
             model.add_material(convert(material, self.place)?);
         }
         let grey = model.add_material(Material::new("default", GREY, 1.0));
-        let colored = self.colored == self.vertices;
-        for part in build(&self.text, materials, self.place)? {
+        let mixed = self.colored != 0 && self.colored != self.vertices;
+        let text = if mixed { without_colors(&self.text) } else { self.text };
+        for part in build(&text, materials, self.place)? {
             let material = part.mesh.material_id.unwrap_or(grey);
-            model.add_mesh(mesh(part.mesh, colored, self.place)?, material);
+            model.add_mesh(mesh(&part.mesh, self.place)?, material);
         }
         Ok(model)
     }
@@ -182,15 +184,26 @@ impl<'a> Sifted<'a> {
     fn warn_of_gaps(&mut self, materials: &[tobj::Material]) {
         let known: BTreeSet<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         let unknown: Vec<&str> = self.used.difference(&known).copied().collect();
-        if let [first, ..] = unknown[..] {
-            let count = unknown.len();
-            self.warn(format!("usemtl: {count} unknown (first: {first:?}); their faces are grey"));
+        match (&self.missing[..], &unknown[..]) {
+            ([name, rest @ ..], _) => {
+                let more = rest.len();
+                self.warn(&format!(
+                    "mtllib: {name:?} and {more} more not found; unknown materials are grey"
+                ));
+            }
+            ([], [name, rest @ ..]) => {
+                let more = rest.len();
+                self.warn(&format!(
+                    "usemtl: {name:?} and {more} more unknown; their faces are grey"
+                ));
+            }
+            _ => {}
         }
         if self.colored != 0 && self.colored != self.vertices {
-            self.warn("v: only some vertices have colours; all colours are left out".to_owned());
+            self.warn("v: only some vertices have colours; all colours are left out");
         }
         if self.faces[0] != 0 && self.faces[1] != 0 {
-            self.warn("f: only some faces have normals; groups that mix them have none".to_owned());
+            self.warn("f: only some faces have normals; groups that mix them have none");
         }
     }
 }
@@ -274,29 +287,34 @@ fn convert(material: &tobj::Material, place: &str) -> Result<Material> {
     Ok(Material::new(&material.name, color, alpha))
 }
 
-fn build(text: &str, materials: Vec<tobj::Material>, place: &str) -> Result<Vec<tobj::Model>> {
+/// `tobj` has no answer to vertices of which only some have colours.
+fn without_colors(text: &str) -> String {
+    let plain = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        ["v", x, y, z, _, _, _] => format!("v {x} {y} {z}\n"),
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(plain).collect()
+}
+
+fn build(text: &str, materials: &[tobj::Material], place: &str) -> Result<Vec<tobj::Model>> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
     // `tobj` learns the materials' indices only from a library, so it gets one that holds them all.
     let text = format!("mtllib all\n{text}");
     let library = |_: &Path| {
         let indices = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i)).collect();
-        Ok((materials.clone(), indices))
+        Ok((materials.to_vec(), indices))
     };
     let loaded = tobj::load_obj_buf(&mut text.as_bytes(), &options, library);
     Ok(loaded.map_err(|error| Error::new(place, format!("obj: {error}")))?.0)
 }
 
-fn mesh(part: tobj::Mesh, colored: bool, place: &str) -> Result<Mesh> {
+fn mesh(part: &tobj::Mesh, place: &str) -> Result<Mesh> {
     let triples = |values: &[f32]| values.as_chunks().0.to_vec();
     let positions: Vec<[f32; 3]> = triples(&part.positions);
     let fits = |values: &[f32]| values.len() == part.positions.len();
     let mesh = Mesh {
         normals: if fits(&part.normals) { triples(&part.normals) } else { Vec::new() },
-        colors: if colored && fits(&part.vertex_color) {
-            triples(&part.vertex_color)
-        } else {
-            Vec::new()
-        },
+        colors: if fits(&part.vertex_color) { triples(&part.vertex_color) } else { Vec::new() },
         triangles: part.indices.as_chunks().0.to_vec(),
         positions,
     };

@@ -1,8 +1,8 @@
 //! The node hierarchy, flattened: which meshes stand where.
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
-use gltf::json::Root;
 use gltf::json::scene::Node;
+use gltf::json::{Index, Root};
 
 use crate::error::{Error, Result};
 
@@ -34,7 +34,7 @@ pub(super) fn placed_meshes(root: &Root, place: &str) -> Result<Vec<(usize, DMat
 fn roots(root: &Root, place: &str) -> Result<Vec<usize>> {
     let scene = root.scene.map_or(0, |scene| scene.value());
     match root.scenes.get(scene) {
-        Some(scene) => Ok(scene.nodes.iter().map(|node| node.value()).collect()),
+        Some(scene) => Ok(scene.nodes.iter().map(Index::value).collect()),
         None if root.scene.is_some() => {
             Err(Error::new(place, format!("scene: {scene} is not among the {}", root.scenes.len())))
         }

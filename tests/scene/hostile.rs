@@ -1,0 +1,123 @@
+//! Arbitrary bytes never make a loader panic, and what a loader accepts keeps the promises of a scene.
+
+use std::cell::RefCell;
+
+use fragloom::error::{Error, Result};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};
+use proptest::prelude::*;
+
+const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0.5 0 0 1\nvn 0 0 1\nvt 0 1\no a\nusemtl a\n\
+    f 1/1/1 2/1/1 3/1/1\nf -3//-1 -2//1 -1//1\n";
+
+const MTL: &[u8] = b"newmtl a\nKa 1 1 1\nKd 0.5 0.25 1\nd 0.5\nTr 0.5\nillum 2\nmap_Kd a.png\n";
+
+const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n\
+    1 0 0 2\n0 1 0 3\n3 0 1 2\n";
+
+const GLTF: &[u8] = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,3]}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":4}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":36,"byteStride":12}],"buffers":[{"uri":"a.bin","byteLength":36}]}"#;
+
+const TOML: &[u8] = b"size = [8, 8]\n[camera]\neye = [0.0, 0.0, 4.0]\ntarget = [0, 0, 0]\nfov_y = 45.0\n\
+    [[material]]\nname = \"m\"\ncolor = [0.1, 0.2, 0.3]\n[[object]]\nfile = \"a\"\nmaterial = \"m\"\nscale = 1.5\n\
+    rotate = [0, 1, 0, 30]\n[[object]]\nprocedural = \"cubes\"\nsides = 8\n[[screen]]\n\
+    points = [[1, 2, 0.5], [3, 4, 0.5], [5, 6, 1]]\ncolor = [1, 1, 1, 0.5]\n";
+
+fn assert_whole(result: Result<Model>) {
+    let Ok(model) = result else { return };
+    assert!(model.triangles() > 0);
+    for object in &model.objects {
+        check::mesh("it", &object.mesh).unwrap();
+        assert!(object.material < model.materials.len());
+    }
+}
+
+/// Shows bytes to every loader that could mean them, however unlikely.
+fn load_as_all(bytes: &[u8]) {
+    assert_whole(obj::parse(bytes, "it", &mut |_| Some(MTL.to_vec())));
+    assert_whole(obj::parse(OBJ, "it", &mut |_| Some(bytes.to_vec())));
+    assert_whole(ply::parse(bytes, "it"));
+    let reads = RefCell::new(0);
+    assert_whole(gltf::parse(bytes, "it", &mut |_| {
+        *reads.borrow_mut() += 1;
+        if *reads.borrow() < 9 { Ok(vec![0; 36]) } else { Err(Error::new("it", "enough")) }
+    }));
+    assert_whole(gltf::parse(GLTF, "it", &mut |_| Ok(bytes.to_vec())));
+    if let Ok(description) = file::parse(bytes, "it") {
+        let mut model = |_: file::Source<'_>| obj::parse(OBJ, "it", &mut |_| None);
+        if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+            check::scene(&scene).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_seeds_are_good() {
+    assert!(obj::parse(OBJ, "it", &mut |_| Some(MTL.to_vec())).unwrap().warnings.is_empty());
+    ply::parse(PLY, "it").unwrap();
+    gltf::parse(GLTF, "it", &mut |_| Ok(vec![0; 36])).unwrap();
+    let description = file::parse(TOML, "it").unwrap();
+    description.build(&Overrides::default(), &mut |_| ply::parse(PLY, "it")).unwrap();
+}
+
+/// One change of a file: a byte set, a piece cut out, or a piece repeated elsewhere.
+#[derive(Clone, Debug)]
+enum Edit {
+    Set(usize, u8),
+    Cut(usize, usize),
+    Copy(usize, usize, usize),
+}
+
+impl Edit {
+    fn apply(&self, bytes: &mut Vec<u8>) {
+        let end = bytes.len().max(1);
+        match *self {
+            Self::Set(at, byte) if !bytes.is_empty() => bytes[at % end] = byte,
+            Self::Cut(at, length) if !bytes.is_empty() => {
+                let at = at % end;
+                bytes.drain(at..(at + length).min(end));
+            }
+            Self::Copy(from, length, to) if !bytes.is_empty() => {
+                let from = from % end;
+                let piece = bytes[from..(from + length).min(end)].to_vec();
+                let to = to % end;
+                bytes.splice(to..to, piece);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn edits() -> impl Strategy<Value = Vec<Edit>> {
+    let byte =
+        prop_oneof![any::<u8>(), b'0'..=b'9', Just(b'-'), Just(b' '), Just(b'\n'), Just(b'.')];
+    let edit = prop_oneof![
+        (any::<usize>(), byte).prop_map(|(at, byte)| Edit::Set(at, byte)),
+        (any::<usize>(), 1..40_usize).prop_map(|(at, length)| Edit::Cut(at, length)),
+        (any::<usize>(), 1..40_usize, any::<usize>()).prop_map(|(a, l, b)| Edit::Copy(a, l, b)),
+    ];
+    prop::collection::vec(edit, 1..8)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        load_as_all(&bytes);
+        load_as_all(&[b"glTF\x02\0\0\0", &bytes[..]].concat());
+        load_as_all(&[b"ply\nformat binary_little_endian 1.0\n", &bytes[..]].concat());
+    }
+
+    #[test]
+    fn damaged_files_never_panic(
+        which in 0..5_usize,
+        edits in edits(),
+    ) {
+        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML][which].to_vec();
+        edits.iter().for_each(|edit| edit.apply(&mut bytes));
+        load_as_all(&bytes);
+    }
+}

@@ -1,0 +1,127 @@
+//! OBJ and MTL.
+
+use fragloom::error::Result;
+use fragloom::scene::{GREY, Model, obj};
+
+use super::assert_fails;
+
+fn parse(text: &str) -> Result<Model> {
+    with_library(text, "")
+}
+
+fn with_library(text: &str, mtl: &str) -> Result<Model> {
+    let mut library = |name: &str| (name == "a.mtl").then(|| mtl.as_bytes().to_vec());
+    obj::parse(text.as_bytes(), "test.obj", &mut library)
+}
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn square(face: &str) -> Result<Model> {
+    parse(&format!("{SQUARE}{face}\n"))
+}
+
+#[test]
+fn polygons_become_fans_and_negative_indices_count_back() {
+    let model = square("f 1 2 3 4 # whole").unwrap();
+    assert_eq!(model.objects[0].mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(model.materials[0].color, GREY);
+    let relative = square("f -4 -3 -2 -1").unwrap();
+    assert_eq!(relative.objects[0].mesh, model.objects[0].mesh);
+    let pentagon = parse(&format!("{SQUARE}v 0 0.5 0\nf 1 2 3 4 5")).unwrap();
+    assert_eq!(pentagon.objects[0].mesh.triangles.len(), 3);
+}
+
+#[test]
+fn normals_colours_and_w_are_kept() {
+    let text = "v 2 0 0 1 0 0\nv 0 2 0 0 1 0\nv 0 0 2 0 0 1\nvn 0 0 1\nvt 0.5\nf 1/1/1 2/1/1 3//1";
+    let mesh = parse(text).unwrap().objects[0].mesh.clone();
+    assert_eq!(mesh.colors, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(mesh.normals, [[0.0, 0.0, 1.0]; 3]);
+    let scaled = parse("v 2 4 6 2\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
+    assert_eq!(scaled.objects[0].mesh.positions[0], [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn materials_split_meshes_and_bring_colour_and_opacity() {
+    let mtl =
+        "newmtl red glass\nKd 1 0 0\nd 0.25\nnewmtl blue\nKd 0 0 1\nTr 0.25\nnewmtl grey\nKd 0.5\n";
+    let text = format!(
+        "mtllib a.mtl\n{SQUARE}usemtl red glass\nf 1 2 3\nusemtl blue\nf 1 3 4\nusemtl grey\nf 2 3 4"
+    );
+    let model = with_library(&text, mtl).unwrap();
+    assert_eq!(model.warnings, [""; 0]);
+    let looks: Vec<_> = model.objects.iter().map(|o| &model.materials[o.material]).collect();
+    assert_eq!(
+        (looks[0].name.as_str(), looks[0].color, looks[0].alpha),
+        ("red glass", [1.0, 0.0, 0.0], 0.25)
+    );
+    assert_eq!((looks[1].color, looks[1].alpha), ([0.0, 0.0, 1.0], 0.75));
+    assert_eq!((looks[2].color, looks[2].alpha), ([0.5; 3], 1.0));
+    assert!(model.objects.iter().all(|o| o.mesh.positions.len() == 3));
+}
+
+#[test]
+fn gaps_are_warnings() {
+    let missing = format!("mtllib none.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4");
+    let warnings = parse(&missing).unwrap().warnings;
+    assert_eq!(warnings.len(), 1);
+    assert!(warnings[0].contains("test.obj: mtllib: \"none.mtl\""), "{warnings:?}");
+    let unknown =
+        with_library(&format!("mtllib a.mtl\n{SQUARE}usemtl b\nf 1 2 3"), "newmtl a").unwrap();
+    assert!(unknown.warnings[0].contains("usemtl: \"b\""), "{:?}", unknown.warnings);
+    assert_eq!(unknown.materials[unknown.objects[0].material].color, GREY);
+    let colors = parse("v 0 0 0 1 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
+    assert!(colors.objects[0].mesh.colors.is_empty() && colors.warnings[0].contains("colours"));
+    let mixed = parse(&format!("{SQUARE}vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4")).unwrap();
+    assert!(mixed.objects[0].mesh.normals.is_empty() && mixed.warnings[0].contains("normals"));
+    let line = square("f 1 2 3\nl 1 2 3\np 1").unwrap();
+    assert_eq!(line.triangles(), 1, "lines and points are no faces");
+}
+
+#[test]
+fn bad_lines_are_named() {
+    for (line, message) in [
+        ("f 1 2", "line 5: f: needs at least 3 vertices, not 2"),
+        ("f", "line 5: f: needs at least 3"),
+        ("f 1 2 9", "line 5: f: vertex 9 is not among the 4 so far"),
+        ("f 0 1 2", "line 5: f: vertex 0 is not among"),
+        ("f 1 2 -5", "line 5: f: vertex -5 is not among"),
+        ("f 1 2 99999999999999999999", "is not an index"),
+        ("f 1 2 9223372036854775807", "line 5: f: vertex 9223372036854775807"),
+        ("f 1 2 -9223372036854775808", "line 5: f: vertex -9223372036854775808"),
+        ("f 1/9223372036854775807 2 3", "line 5: f: texture coordinate"),
+        ("f 1//1 2//1 3//1", "line 5: f: normal 1 is not among the 0"),
+        ("f 1/1/1/1 2 3", "line 5: f: "),
+        ("f / / /", "line 5: f: \"/\" is not v, v/vt"),
+        ("f a b c", "line 5: f: \"a\" is not an index"),
+        ("v 1 2", "line 5: v: needs 3 to 6 numbers, not 2"),
+        ("v 1 2 nan", "line 5: v: \"nan\" is not a finite number"),
+        ("v 1 2 1e99", "line 5: v: \"1e99\" is not a finite number"),
+        ("v 1 2 3 0", "line 5: v: w must not be 0"),
+        ("v 1 2 3 4 5", "line 5: v: needs x y z"),
+        ("v 1 2 3 255 0 0", "line 5: v: color"),
+        ("vn 1 2", "line 5: vn: needs 3 numbers, not 2"),
+        ("vt", "line 5: vt: needs 1 to 3 numbers, not 0"),
+        ("usemtl", "line 5: usemtl: needs the name"),
+        ("", "f: there is no face"),
+    ] {
+        assert_fails(square(line), &["test.obj: ", message]);
+    }
+    assert_fails(obj::parse(b"v \xff", "x.obj", &mut |_| None), &["x.obj: byte 2: is not UTF-8"]);
+    assert_fails(parse("v 1e38 1 1 1e-38\nv 1 0 0\nv 0 1 0\nf 1 2 3"), &["vertex 0: position"]);
+}
+
+#[test]
+fn bad_materials_are_named() {
+    for (mtl, message) in [
+        ("newmtl", "a.mtl: line 1: newmtl: needs a name"),
+        ("newmtl a\nKd 1 2", "a.mtl: line 2: Kd: needs 3 numbers, not 2"),
+        ("newmtl a\nKd", "a.mtl: line 2: Kd: needs 1 to 3 numbers, not 0"),
+        ("newmtl a\nd x", "a.mtl: line 2: d: \"x\" is not a finite number"),
+        ("newmtl a\nKd 2 0 0", "material \"a\": Kd: 2 is not within 0 to 1"),
+        ("newmtl a\nTr 7", "material \"a\": opacity by d or Tr: -6 is not within"),
+    ] {
+        let text = format!("mtllib a.mtl\n{SQUARE}f 1 2 3");
+        assert_fails(with_library(&text, mtl), &[message]);
+    }
+}

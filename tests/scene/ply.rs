@@ -1,0 +1,133 @@
+//! PLY.
+
+use fragloom::error::Result;
+use fragloom::scene::{Model, ply};
+
+use super::assert_fails;
+
+fn parse(text: &str) -> Result<Model> {
+    ply::parse(text.as_bytes(), "test.ply")
+}
+
+const HEADER: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\n\
+    property float y\nproperty double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+    element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
+const VERTICES: &str = "0 0 0 255 0 0\n1 0 0 0 255 0\n1 1 0 0 0 255\n0 1 0 51 51 51\n";
+
+#[test]
+fn ascii_with_colours_and_a_polygon() {
+    let model = parse(&format!("{HEADER}{VERTICES}4 0 1 2 3\n")).unwrap();
+    let mesh = &model.objects[0].mesh;
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(mesh.positions[2], [1.0, 1.0, 0.0]);
+    assert_eq!(mesh.colors[0], [1.0, 0.0, 0.0]);
+    assert_eq!(mesh.colors[3], [0.2; 3]);
+    assert!(mesh.normals.is_empty());
+}
+
+/// A triangle with normals and float colours in either byte order, its face list of the given types.
+fn binary(big: bool) -> Vec<u8> {
+    let endian = if big { "big" } else { "little" };
+    let mut bytes = format!(
+        "ply\nformat binary_{endian}_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\n\
+         property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float red\n\
+         property float green\nproperty float blue\nelement face 1\nproperty uchar flag\n\
+         property list ushort uint vertex_index\nelement extra 1\nproperty int a\nend_header\n"
+    )
+    .into_bytes();
+    let mut put = |le: &[u8]| {
+        let mut word = le.to_vec();
+        if big {
+            word.reverse();
+        }
+        bytes.extend(word);
+    };
+    for i in 0..3_u8 {
+        put(&f64::from(i).to_le_bytes());
+        for value in [f32::from(i * i), 0.0, 0.0, 0.0, 1.0, 0.5, 0.25, 1.0] {
+            put(&value.to_le_bytes());
+        }
+    }
+    put(&[7]);
+    put(&3_u16.to_le_bytes());
+    for index in [2_u32, 1, 0] {
+        put(&index.to_le_bytes());
+    }
+    put(&5_i32.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn binary_of_both_byte_orders() {
+    let little = ply::parse(&binary(false), "test.ply").unwrap();
+    let mesh = &little.objects[0].mesh;
+    assert_eq!(mesh.positions, [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 4.0, 0.0]]);
+    assert_eq!(mesh.normals, [[0.0, 0.0, 1.0]; 3]);
+    assert_eq!(mesh.colors, [[0.5, 0.25, 1.0]; 3]);
+    assert_eq!(mesh.triangles, [[2, 1, 0]]);
+    let big = ply::parse(&binary(true), "test.ply").unwrap();
+    assert_eq!(big.objects[0].mesh, little.objects[0].mesh);
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    for whole in [binary(false), format!("{HEADER}{VERTICES}4 0 1 2 3").into_bytes()] {
+        let end = whole.len();
+        // Without its last digit, an ASCII index is still missing: "3" is one character.
+        for length in 0..end {
+            assert!(ply::parse(&whole[..length], "t.ply").is_err(), "{length} of {end} bytes");
+        }
+    }
+}
+
+#[test]
+fn point_sets_are_refused_as_such() {
+    let points = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+        property float z\nend_header\n0 0 0\n";
+    assert_fails(parse(points), &["test.ply: element face: ", "point sets are not drawn yet"]);
+}
+
+#[test]
+fn lying_headers_are_refused_before_reading() {
+    for (from, to, message) in [
+        (
+            "element vertex 4",
+            "element vertex 99999999999",
+            "element vertex: count: 99999999999 do not fit",
+        ),
+        ("element face 1", "element face 18446744073709551615", "element face: count"),
+        (
+            "element face 1",
+            "element none 18446744073709551615\nelement face 1",
+            "needs at least one property",
+        ),
+        ("property float x", "property float u", "element vertex: property x: is missing"),
+        ("vertex_indices", "corners", "element face: property vertex_indices: is missing"),
+        ("element vertex", "element vertices", "element vertex: is missing"),
+        ("property float x", "property list uchar float x", "unsupported"),
+        ("list uchar int", "list uchar float", "unsupported"),
+        ("format ascii 1.0\n", "", "No format"),
+        ("ply\n", "plx\n", "magic"),
+    ] {
+        let text = format!("{HEADER}{VERTICES}4 0 1 2 3\n").replacen(from, to, 1);
+        assert_fails(parse(&text), &["test.ply: ", message]);
+    }
+}
+
+#[test]
+fn bad_faces_and_vertices_are_named() {
+    for (face, message) in [
+        ("2 0 1", "face 0: vertex_indices: needs at least 3, not 2"),
+        ("3 0 1 4", "face 0: vertex_indices: 4 is not below the 4 vertices"),
+        ("3 0 1 -1", "face 0: vertex_indices: -1 is not below"),
+        ("9 0 1 2", "Line 18"),
+        ("3 0 1 x", "Line 18"),
+    ] {
+        assert_fails(parse(&format!("{HEADER}{VERTICES}{face}\n")), &["test.ply: ", message]);
+    }
+    let infinite = VERTICES.replace("1 1 0", "1 1e99 0");
+    assert_fails(parse(&format!("{HEADER}{infinite}3 0 1 2\n")), &["test.ply: vertex 2: position"]);
+    let bright = HEADER.replace("uchar red", "float red");
+    assert_fails(parse(&format!("{bright}{VERTICES}3 0 1 2\n")), &["test.ply: vertex 0: color"]);
+}
