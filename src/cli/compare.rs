@@ -29,7 +29,7 @@ pub(super) struct Args {
     scene: String,
 
     /// Methods to compare, separated by commas [default: all in their correct form]
-    #[arg(short, long, value_name = "METHOD,...", value_delimiter = ',')]
+    #[arg(short, long = "method", value_name = "METHOD,...", value_delimiter = ',')]
     methods: Vec<String>,
 
     /// The method that is right by definition
