@@ -8,8 +8,12 @@
 
 pub mod cli;
 pub mod error;
+pub mod exec;
+pub mod fragment;
 pub mod image;
+pub mod memory;
 pub mod num;
+pub mod raster;
 pub mod render;
 pub mod report;
 pub mod resolve;

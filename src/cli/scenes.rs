@@ -44,11 +44,11 @@ fn entry(scene: &Builtin) -> Entry {
     let keys = scene.keys.iter().map(|key| KeyEntry {
         name: key.name.to_string(),
         default: key.default.to_string(),
-        help: key.help.to_string(),
+        help: key.about.to_string(),
     });
     Entry {
         name: scene.name.to_string(),
-        description: scene.description.to_string(),
+        description: scene.about.to_string(),
         keys: keys.collect(),
     }
 }

@@ -1,114 +1,27 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
-use std::collections::BTreeMap;
+mod options;
+mod report;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::exec::clock::Stopwatch;
+use crate::exec::sim::{policy, schedule};
+use crate::exec::{self, Frame, Job, Tally};
 use crate::image::Image;
-use crate::num::depth;
+use crate::memory::{Counters, Layout};
+use crate::num::color::word16;
+use crate::raster::{FrontEnd, Grid, Record};
+use crate::resolve::hash::fragments_hash;
 use crate::scene::Scene;
+use crate::scheme::catalogue::{self, Visitor};
+use crate::scheme::contract::{Contract, Demand, Keeps};
+use crate::scheme::{Config, Scheme};
 
-/// What to draw with, and how. The defaults are the command line's.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// A method's name in the catalogue (`scheme::catalogue`), with `@variant` if any.
-    pub method: String,
-    /// Fragments kept per pixel; `None` is the method's own default (8 for k-buffers, all for `exact` and A-buffers).
-    pub k: Option<u32>,
-    /// Who runs the invocations.
-    pub exec: Exec,
-    /// Worker threads; 0 means one per core.
-    pub threads: usize,
-    /// Tile edge in pixels: 16, 32 or 64.
-    pub tile: u32,
-    /// Sub-pixel bits that vertices are snapped to: 8 or 4.
-    pub sub_pixel_bits: u32,
-    /// What is stored for a depth; `None` is the method's own.
-    pub depth_format: Option<depth::Format>,
-    /// What is stored beside a depth.
-    pub data: Data,
-    /// Which faces are not drawn.
-    pub cull_face: CullFace,
-    /// Count memory operations (costs a few per cent).
-    pub counters: bool,
-    /// Bytes of scheme memory and kept fragments above which a run is refused before anything is allocated.
-    pub max_memory: u64,
-}
-
-/// Who runs the invocations of a pass.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Exec {
-    /// Tiles in parallel; each owns its pixels' memory.
-    Tile,
-    /// Rasterizer threads feed worker threads that contend on shared atomics.
-    Threads,
-    /// One thread steps resident invocations, one memory operation at a time.
-    Sim(Sim),
-}
-
-/// How the simulated device schedules.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sim {
-    /// Who goes next.
-    pub policy: Policy,
-    /// Seed of `Policy::Random`.
-    pub seed: u64,
-    /// Invocations in flight, at least 1.
-    pub resident: usize,
-    /// Record the schedule and return it.
-    pub record: bool,
-}
-
-/// Who goes next on the simulated device.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Policy {
-    /// The oldest invocation runs to its end: submission order.
-    Order,
-    /// The youngest resident invocation goes first.
-    Reverse,
-    /// Each in turn, one operation each.
-    RoundRobin,
-    /// A uniformly random resident invocation.
-    Random,
-    /// Warps of N consecutive invocations in lockstep, in turn.
-    Warp(u32),
-    /// A schedule recorded before, as `Rendering::schedule` returned it.
-    Recorded(Vec<u8>),
-}
-
-/// The 32-bit word stored with a depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Data {
-    /// Linear RGBA8.
-    #[default]
-    Color,
-    /// The global triangle index; the colour is looked up at resolve.
-    Primitive,
-}
-
-/// Which faces are left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum CullFace {
-    /// Draw both.
-    #[default]
-    None,
-    /// Leave out counter-clockwise (front) faces.
-    Front,
-    /// Leave out clockwise (back) faces.
-    Back,
-}
-
-/// The kept fragments of every pixel, front to back.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Lists {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Row-major; pixel p's fragments are `keys[offsets[p]..offsets[p + 1]]`.
-    pub offsets: Vec<u64>,
-    /// Depth in the upper half, data word in the lower.
-    pub keys: Vec<u64>,
-}
+pub use crate::fragment::Data;
+pub use crate::raster::CullFace;
+pub use crate::resolve::Lists;
+pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Sim};
+pub use report::Report;
 
 /// Everything one frame gives.
 #[derive(Clone, Debug)]
@@ -123,70 +36,231 @@ pub struct Rendering {
     pub schedule: Option<Vec<u8>>,
 }
 
-/// The accounting of a frame: the fields of `render --json`, by those names.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Report {
-    /// The method's name in the catalogue, with `@variant` if any.
-    pub method: String,
-    /// The scene's name.
-    pub scene: String,
-    /// Who ran the invocations, with the policy and seed of a simulated device.
-    pub exec: String,
-    /// Worker threads used, at least 1.
-    pub threads: usize,
-    /// Fragments kept per pixel; `None` where the method keeps all.
-    pub k: Option<u32>,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Triangles of the scene, before clipping and culling.
-    pub triangles: u64,
-    /// Triangles of zero area, before or after snapping; they generate nothing.
-    pub degenerate: u64,
-    /// Fragments that one geometry pass generates.
-    pub generated: u64,
-    /// Fragments that a race stored more than once, counted beyond the first.
-    pub duplicated: u64,
-    /// Fragments in the lists that were never generated: halves of different ones, put together by a race.
-    pub torn: u64,
-    /// Fragments in the resolved lists.
-    pub kept: u64,
-    /// Fragments that went into another one.
-    pub merged: u64,
-    /// Fragments rejected before they were stored.
-    pub culled: u64,
-    /// Fragments stored and pushed out again by nearer ones.
-    pub evicted: u64,
-    /// Fragments that should have been kept and were not: reason to count. `lost`: by a race.
-    pub dropped: BTreeMap<String, u64>,
-    /// The names of the fields that no schedule can change.
-    pub deterministic: Vec<String>,
-    /// The most fragments generated at one pixel.
-    pub max_depth_complexity: u32,
-    /// Bytes of the method's memory.
-    pub bytes: u64,
-    /// Geometry passes.
-    pub passes: u32,
-    /// [`Image::hash`] of the picture.
-    pub image_hash: String,
-    /// [`fragments_hash`](crate::resolve::hash::fragments_hash) of the resolved lists.
-    pub fragments_hash: String,
-    /// Memory operations by kind; empty unless asked for.
-    pub counters: BTreeMap<String, u64>,
-    /// Wall time by pass, in seconds: the only field that differs from run to run of one schedule.
-    pub seconds: BTreeMap<String, f64>,
-    /// What was tolerated, one sentence each.
-    pub warnings: Vec<String>,
-    /// What must not happen and did, one sentence each: accounts that do not balance, say.
-    pub violations: Vec<String>,
-}
+/// What simulated memory holds before the clear pass: a scheme must not rely on zeroes.
+const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 
 /// Draw `scene`.
 ///
 /// # Errors
-/// An unknown method, an option out of range, or more memory than `options.max_memory`.
+/// An unknown method, an option out of range, more memory than `options.max_memory`, or a recorded schedule that does
+/// not fit.
+///
+/// # Examples
+/// ```
+/// use fragloom::render::{Options, render};
+/// use fragloom::scene::{self, Overrides};
+///
+/// let scene = scene::load("layers:count=4", &Overrides { size: Some([32, 32]), ..Overrides::default() })?;
+/// let drawn = render(&scene, &Options { method: "ab-ll".to_owned(), ..Options::default() })?;
+/// assert_eq!(drawn.report.generated, 4 * 32 * 32);
+/// assert_eq!(drawn.lists.pixel(5, 5).len(), 4);
+/// # Ok::<(), fragloom::error::Error>(())
+/// ```
 pub fn render(scene: &Scene, options: &Options) -> Result<Rendering> {
-    let _ = (scene, options);
-    Err(crate::error::Error::new("render", "not here yet"))
+    let contract = catalogue::contract(&options.method)?;
+    options.check(contract)?;
+    let threads = options.worker_threads();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
+    pool.install(|| draw(scene, options, contract, threads))
+}
+
+fn draw(
+    scene: &Scene,
+    options: &Options,
+    contract: &Contract,
+    threads: usize,
+) -> Result<Rendering> {
+    let mut watch = Stopwatch::start();
+    let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
+    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    watch.lap("setup");
+    let k = options.k.or(contract.default_k);
+    let config = configure(&front, contract, k);
+    watch.lap("count");
+    let job = Job {
+        front: &front,
+        record: record(options, contract),
+        background: scene.background.map(word16),
+        nearest: contract.reference_k(k),
+        racy: contract.racy,
+        threads,
+    };
+    let run = Run { job: &job, config, options, fingerprint: fingerprint(scene, options) };
+    let mut executed = catalogue::visit(contract.name, run)??;
+    watch.lap("draw");
+    let (lists, image) = executed.frame.assemble(&grid);
+    watch.lap("assemble");
+    let mut report = account(scene, contract, &front, &executed);
+    report.k = match contract.keeps {
+        Keeps::One => Some(1),
+        _ => k,
+    };
+    report.threads = threads;
+    report.image_hash = image.hash();
+    report.fragments_hash = fragments_hash(lists.width, lists.height, &lists.offsets, &lists.keys);
+    watch.lap("hash");
+    report.seconds = watch.seconds();
+    Ok(Rendering { image, lists, report, schedule: executed.schedule })
+}
+
+/// What the method must know of the scene, measured only if it must.
+fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> Config {
+    let mut config = Config { k, generated: 0, max_depth_complexity: 0 };
+    match contract.demand {
+        Demand::Generated => config.generated = front.count_fragments(),
+        Demand::MaxDepthComplexity if k.is_none() => {
+            config.max_depth_complexity = front.max_depth_complexity();
+        }
+        _ => {}
+    }
+    config
+}
+
+fn record(options: &Options, contract: &Contract) -> Record {
+    Record {
+        depth: options.depth_format.or(contract.depth_format).unwrap_or_default(),
+        data: options.data,
+    }
+}
+
+/// Everything that an interleaving depends on, so that a schedule is not run on something else.
+fn fingerprint(scene: &Scene, options: &Options) -> u64 {
+    let Options { method, k, sub_pixel_bits, depth_format, data, cull_face, .. } = options;
+    let (name, size, triangles) = (&scene.name, scene.size, scene.triangles());
+    schedule::fingerprint(&format!(
+        "{name} {size:?} {triangles} {method} {k:?} {sub_pixel_bits} {depth_format:?} {data:?} {cull_face:?}"
+    ))
+}
+
+/// Runs one method, once its type is known.
+struct Run<'a> {
+    job: &'a Job<'a>,
+    config: Config,
+    options: &'a Options,
+    fingerprint: u64,
+}
+
+/// What an executor gave.
+struct Executed {
+    frame: Frame,
+    bytes: u64,
+    exec: &'static str,
+    schedule: Option<Vec<u8>>,
+}
+
+impl Visitor for Run<'_> {
+    type Output = Result<Executed>;
+
+    fn scheme<S: Scheme>(self) -> Result<Executed> {
+        let mut layout = Layout::default();
+        let scheme = S::new(&self.config, &mut layout);
+        self.check_memory(&layout)?;
+        let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
+        let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
+        let (frame, schedule) = match (&self.options.exec, self.options.counters) {
+            (Exec::Tile, true) => (exec::tile::run::<S, Counters>(&scheme, &layout, self.job), None),
+            (Exec::Tile, false) => (exec::tile::run::<S, ()>(&scheme, &layout, self.job), None),
+            (Exec::Threads, true) => {
+                (exec::threads::run::<S, Counters>(&scheme, &layout, self.job), None)
+            }
+            (Exec::Threads, false) => (exec::threads::run::<S, ()>(&scheme, &layout, self.job), None),
+            (Exec::Sim(sim), _) => {
+                let settings = self.settings(sim);
+                let run = exec::sim::run(&scheme, &layout, self.job, &settings, GARBAGE)?;
+                (run.frame, run.schedule)
+            }
+        };
+        Ok(Executed { frame, bytes, exec, schedule })
+    }
+
+    fn exact(self) -> Result<Executed> {
+        let frame = exec::oracle::run(self.job, self.config.k);
+        let bytes = 8 * frame.tally.generated;
+        Ok(Executed { frame, bytes, exec: "sequential", schedule: None })
+    }
+}
+
+impl Run<'_> {
+    fn settings(&self, sim: &Sim) -> policy::Settings {
+        let Sim { policy, seed, resident, record } = sim.clone();
+        policy::Settings { policy, seed, resident, record, fingerprint: self.fingerprint }
+    }
+
+    /// Refuse what would not fit, before it is allocated.
+    fn check_memory(&self, layout: &Layout) -> Result<()> {
+        let grid = &self.job.front.grid;
+        let pixels = match self.options.exec {
+            Exec::Tile => self.job.threads * grid.pixels_per_tile(),
+            Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
+        };
+        let (bytes, limit) = (layout.bytes(pixels as u64), self.options.max_memory);
+        if bytes <= limit {
+            return Ok(());
+        }
+        let (method, exec) = (&self.options.method, self.options.exec.name());
+        Err(Error::new(
+            "--max-memory",
+            format!("{method} needs {bytes} bytes on '{exec}', above the limit of {limit}"),
+        ))
+    }
+}
+
+/// The report, but for what is known only after assembly.
+fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Executed) -> Report {
+    let tally = &executed.frame.tally;
+    let dropped = [("lost", tally.lost), ("overflow", tally.overflow), ("pool", tally.pool)];
+    Report {
+        method: contract.name.to_owned(),
+        scene: scene.name.clone(),
+        exec: executed.exec.to_owned(),
+        width: front.grid.width,
+        height: front.grid.height,
+        triangles: front.triangles,
+        degenerate: front.degenerate,
+        generated: tally.generated,
+        duplicated: tally.duplicated,
+        torn: tally.torn,
+        kept: tally.kept,
+        culled: tally.culled,
+        evicted: tally.evicted,
+        dropped: dropped.iter().filter(|d| d.1 > 0).map(|d| (d.0.to_owned(), d.1)).collect(),
+        deterministic: deterministic(contract, tally),
+        max_depth_complexity: tally.max_depth_complexity,
+        bytes: executed.bytes,
+        passes: contract.passes,
+        counters: executed.frame.counters.by_name(),
+        warnings: scene.warnings.clone(),
+        violations: violations(contract, tally),
+        ..Report::default()
+    }
+}
+
+/// The fields that no schedule can change: what the rasterizer decides, and, as far as the contract goes, the result.
+fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
+    let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
+    names.extend(["bytes", "passes"]);
+    if !contract.racy {
+        names.extend(["duplicated", "torn", "kept", "merged", "dropped"]);
+    }
+    let arrival_shows = contract.arrival_dependent && tally.dropped() > 0;
+    if !contract.racy && !arrival_shows {
+        names.extend(["image_hash", "fragments_hash"]);
+    }
+    names.into_iter().map(str::to_owned).collect()
+}
+
+/// What the method promised and did not keep.
+fn violations(contract: &Contract, tally: &Tally) -> Vec<String> {
+    let mut found = Vec::new();
+    if !contract.racy && tally.unbalanced > 0 {
+        found.push(format!(
+            "{} pixels do not balance: {} fragments lost, {} duplicated, {} torn",
+            tally.unbalanced, tally.lost, tally.duplicated, tally.torn
+        ));
+    }
+    if !tally.balances() {
+        found.push(format!("the accounting does not balance: {tally:?}"));
+    }
+    found
 }

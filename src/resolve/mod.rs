@@ -1,3 +1,8 @@
-//! What happens to the kept fragments of a pixel after the store passes: shared by all schemes.
+//! From a pixel's kept fragments to a list and a colour: shared by all schemes.
 
+pub mod composite;
 pub mod hash;
+pub mod lists;
+pub mod sort;
+
+pub use lists::Lists;

@@ -5,13 +5,27 @@
 //! or a procedural generator. The *global triangle index* counts the objects' triangles in order, then the
 //! screen triangles.
 
-mod stub;
-
-pub use stub::{Builtin, Key, Overrides, builtin, load};
+mod bounds;
+mod camera;
+pub mod check;
+pub mod file;
+pub mod gltf;
+mod load;
+mod model;
+pub mod obj;
+pub mod ply;
+pub mod procedural;
 
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
+use serde::Deserialize;
+
+pub use self::bounds::Bounds;
+pub use self::camera::{AMBIENT, FOV_Y};
+pub use self::load::{DEFAULT_BACKGROUND, DEFAULT_SIZE, MESH_ALPHA, Overrides, builtin, load};
+pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
+pub use self::procedural::Builtin;
 
 /// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
 #[derive(Clone, Debug)]
@@ -94,7 +108,8 @@ pub struct Material {
 }
 
 /// How light acts on a surface. `raster::shade` states the order of operations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Shading {
     /// The colour as it is, unlit.
     Flat,
@@ -136,4 +151,13 @@ pub struct ScreenTriangle {
     pub points: [[f64; 3]; 3],
     /// Linear RGB and opacity, 0..1.
     pub color: [f32; 4],
+}
+
+impl Scene {
+    /// Triangles of all objects and of the screen.
+    #[must_use]
+    pub fn triangles(&self) -> u64 {
+        let objects = self.objects.iter().map(|o| o.mesh.triangles.len() as u64);
+        objects.sum::<u64>() + self.screen.len() as u64
+    }
 }

@@ -38,10 +38,14 @@ pub struct Contract {
     pub needs: &'static str,
     /// How WGSL can express it; `None` if it cannot.
     pub wgsl: Option<&'static str>,
+    /// The depth word that the paper fixes; `None` where any will do.
+    pub depth_format: Option<Format>,
     /// `-k` if it is not given; `None` where the method keeps all or measures the scene.
     pub default_k: Option<u32>,
-    /// The depth format that the paper fixes; `None` where any will do.
-    pub depth_format: Option<Format>,
+    /// The largest `-k`.
+    pub max_k: u32,
+    /// What it must know of the scene before memory is allocated.
+    pub demand: Demand,
 }
 
 /// Which form of a method this is.
@@ -70,6 +74,18 @@ pub enum Keeps {
     FirstArrivals,
 }
 
+/// What a method must know of the scene before its memory is allocated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Demand {
+    /// Nothing.
+    Nothing,
+    /// How many fragments a geometry pass generates.
+    Generated,
+    /// The largest number of fragments at a pixel, unless `-k` is given.
+    MaxDepthComplexity,
+}
+
 impl Contract {
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.
     #[must_use]
@@ -80,41 +96,16 @@ impl Contract {
             Keeps::One => Some(1),
         }
     }
+
+    /// The result does not depend on arrival or interleaving.
+    #[must_use]
+    pub fn order_independent(&self) -> bool {
+        !self.arrival_dependent && !self.racy
+    }
+
+    /// The name without `@variant`.
+    #[must_use]
+    pub fn base_name(&self) -> &'static str {
+        self.name.split('@').next().unwrap_or(self.name)
+    }
 }
-
-/// Stand-ins until the catalogue is here.
-#[must_use]
-pub fn contracts() -> Vec<&'static Contract> {
-    vec![&EXACT, &KPLUS]
-}
-
-const EXACT: Contract = Contract {
-    name: "exact",
-    title: "The sequential reference",
-    paper: "-",
-    section: "-",
-    form: Form::Correct,
-    passes: 1,
-    words: "2F",
-    keeps: Keeps::All,
-    exact_when: "always",
-    arrival_dependent: false,
-    racy: false,
-    ties: "canonical",
-    overflow: "none",
-    needs: "nothing",
-    wgsl: None,
-    default_k: None,
-    depth_format: None,
-};
-
-const KPLUS: Contract = Contract {
-    name: "kplus-array",
-    title: "k+-buffer: spin lock and max-array",
-    paper: "Vasilakis, Fudos 2014",
-    section: "k+-buffer paper, 4",
-    words: "2k + 2",
-    keeps: Keeps::Nearest,
-    default_k: Some(8),
-    ..EXACT
-};

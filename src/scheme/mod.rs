@@ -1,5 +1,79 @@
-//! Methods and their contracts.
+//! The multi-fragment schemes: one file per method, each written once for every memory.
+//!
+//! A scheme is invocations on memory. It declares its words ([`Layout`]), and then says what one invocation of each
+//! pass does: [`Scheme::clear`] and [`Scheme::resolve`] once per pixel, [`Scheme::store`] once per fragment. Between
+//! passes stands a barrier; within a pass, invocations run in any order and at the same time. What a scheme promises
+//! is its [`Contract`], which the tests, the commands and the docs read. Adding a scheme is one file and one line in
+//! [`catalogue`].
 
+pub mod ab_array;
+pub mod ab_ll;
+pub mod catalogue;
 pub mod contract;
+pub mod exact;
+pub mod kb;
+pub mod kplus_array;
+pub mod kplus_array_published;
+pub mod z_buffer;
 
-pub use contract::{Contract, Form, Keeps, contracts};
+use std::future::Future;
+
+pub use catalogue::contracts;
+pub use contract::{Contract, Form, Keeps};
+
+use crate::fragment::Fragment;
+use crate::memory::{Layout, Memory};
+
+/// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Fragments kept per pixel, at least 1; `None` where the method keeps all or takes the scene's own bound.
+    pub k: Option<u32>,
+    /// Fragments of one geometry pass over the scene.
+    pub generated: u64,
+    /// The largest number of fragments at any pixel.
+    pub max_depth_complexity: u32,
+}
+
+/// What became of a fragment, as far as its own invocation can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Outcome {
+    /// Stored.
+    #[default]
+    Kept,
+    /// Not stored: too far away.
+    Culled,
+    /// Stored, and another fragment pushed out.
+    Evicted,
+    /// Not stored, for want of room in the pixel's own storage.
+    Overflow,
+    /// Not stored, for want of room in the frame's pool.
+    Pool,
+}
+
+/// The k nearest, or all, as they come out of memory: keys in any order.
+pub type Keys = Vec<u64>;
+
+/// A multi-fragment method.
+pub trait Scheme: Sync + Sized {
+    /// What it promises.
+    const CONTRACT: Contract;
+
+    /// Declare the words and keep their addresses.
+    fn new(config: &Config, layout: &mut Layout) -> Self;
+
+    /// Before anything else, one invocation for the whole frame.
+    fn clear_frame<M: Memory>(&self, mem: &M) -> impl Future<Output = ()> {
+        let _ = mem;
+        std::future::ready(())
+    }
+
+    /// Clear pass, one invocation per pixel. Words it does not write hold anything.
+    fn clear<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = ()>;
+
+    /// Store pass, one invocation per fragment.
+    fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome>;
+
+    /// Resolve pass, one invocation per pixel: append the pixel's fragments to `keys`, in any order.
+    fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) -> impl Future<Output = ()>;
+}

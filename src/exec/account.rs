@@ -1,0 +1,193 @@
+//! Accounting: where every fragment went.
+//!
+//! generated + duplicated + torn = kept + merged + culled + evicted + dropped, per pixel and in sum.
+//!
+//! Each invocation reports its own outcome, and that balances if no update is lost. An update lost in a race is
+//! invisible to the invocation that lost it, so a method whose contract says `racy`, and any pixel that does not
+//! balance, is *judged*: its list is compared with the generated multiset. An entry that was never generated is torn;
+//! one more often than generated is duplicated; a generated fragment that is missing was lost if it belongs to the k
+//! nearest, and evicted (or culled) if it does not.
+
+use crate::scheme::Outcome;
+
+/// Sums over pixels; each addition is exact, so their order does not matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Fragments of one geometry pass.
+    pub generated: u64,
+    /// Entries in the resolved lists.
+    pub kept: u64,
+    /// Rejected before they were stored.
+    pub culled: u64,
+    /// Stored, and pushed out later.
+    pub evicted: u64,
+    /// Entries beyond the number of times they were generated.
+    pub duplicated: u64,
+    /// Entries that were never generated.
+    pub torn: u64,
+    /// Dropped for want of room in the pixel.
+    pub overflow: u64,
+    /// Dropped for want of room in the frame's pool.
+    pub pool: u64,
+    /// Dropped by a race.
+    pub lost: u64,
+    /// The largest number of fragments at a pixel.
+    pub max_depth_complexity: u32,
+    /// Pixels whose reports did not balance.
+    pub unbalanced: u64,
+}
+
+impl Tally {
+    /// Add another's sums.
+    pub fn merge(&mut self, other: &Self) {
+        self.generated += other.generated;
+        self.kept += other.kept;
+        self.culled += other.culled;
+        self.evicted += other.evicted;
+        self.duplicated += other.duplicated;
+        self.torn += other.torn;
+        self.overflow += other.overflow;
+        self.pool += other.pool;
+        self.lost += other.lost;
+        self.max_depth_complexity = self.max_depth_complexity.max(other.max_depth_complexity);
+        self.unbalanced += other.unbalanced;
+    }
+
+    /// Count an invocation's report; whether its pixel has one fragment less than was generated.
+    #[inline]
+    pub fn report(&mut self, outcome: Outcome) -> bool {
+        match outcome {
+            Outcome::Kept => return false,
+            Outcome::Culled => self.culled += 1,
+            Outcome::Evicted => self.evicted += 1,
+            Outcome::Overflow => self.overflow += 1,
+            Outcome::Pool => self.pool += 1,
+        }
+        true
+    }
+
+    /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept.
+    #[inline]
+    pub fn pixel(&mut self, generated: u32, gone: u32, kept: usize) {
+        self.generated += u64::from(generated);
+        self.kept += kept as u64;
+        self.max_depth_complexity = self.max_depth_complexity.max(generated);
+        self.unbalanced += u64::from(u64::from(generated) != u64::from(gone) + kept as u64);
+    }
+
+    /// Dropped for any reason.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.overflow + self.pool + self.lost
+    }
+
+    /// Whether the sums balance.
+    #[must_use]
+    pub fn balances(&self) -> bool {
+        self.generated + self.duplicated + self.torn
+            == self.kept + self.culled + self.evicted + self.dropped()
+    }
+
+    /// Replace what racing invocations reported by what the lists show. Reports of drops stay: who drops knows it.
+    /// `culled` keeps its reports as far as they fit.
+    pub fn correct(&mut self, judgement: &Judgement) {
+        self.duplicated = judgement.duplicated;
+        self.torn = judgement.torn;
+        let dropped = self.overflow + self.pool;
+        self.lost = judgement.lost.saturating_sub(dropped);
+        let beyond = judgement.beyond + judgement.lost - self.lost - dropped;
+        self.culled = self.culled.min(beyond);
+        self.evicted = beyond - self.culled;
+    }
+}
+
+/// What comparing lists with the generated multiset shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Judgement {
+    /// Entries beyond the number of times they were generated.
+    pub duplicated: u64,
+    /// Entries never generated.
+    pub torn: u64,
+    /// Missing, and among the k nearest.
+    pub lost: u64,
+    /// Missing, and not among the k nearest.
+    pub beyond: u64,
+}
+
+impl Judgement {
+    /// Compare one pixel: both lists sorted; `nearest` is the number the method promises to keep.
+    pub fn pixel(&mut self, generated: &[u64], kept: &[u64], nearest: Option<u32>) {
+        let nearest = nearest.map_or(usize::MAX, |k| k as usize);
+        let (mut g, mut r) = (0, 0);
+        while g < generated.len() || r < kept.len() {
+            let key = match (generated.get(g), kept.get(r)) {
+                (Some(&a), Some(&b)) => a.min(b),
+                (Some(&a), None) => a,
+                (None, Some(&b)) => b,
+                (None, None) => return,
+            };
+            let made = run(&generated[g..], key);
+            let found = run(&kept[r..], key);
+            self.run(made, found, nearest.saturating_sub(g).min(made));
+            (g, r) = (g + made, r + found);
+        }
+    }
+
+    /// One key: how often it was made, how often it was found, and how many of it belong to the nearest.
+    fn run(&mut self, made: usize, found: usize, wanted: usize) {
+        if made == 0 {
+            self.torn += found as u64;
+            return;
+        }
+        let lost = wanted.saturating_sub(found);
+        self.duplicated += found.saturating_sub(made) as u64;
+        self.lost += lost as u64;
+        self.beyond += (made.saturating_sub(found) - lost) as u64;
+    }
+
+    /// Add another's sums.
+    pub fn merge(&mut self, other: &Self) {
+        self.duplicated += other.duplicated;
+        self.torn += other.torn;
+        self.lost += other.lost;
+        self.beyond += other.beyond;
+    }
+}
+
+/// How many of the first entries equal `key`.
+fn run(keys: &[u64], key: u64) -> usize {
+    keys.iter().take_while(|&&k| k == key).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judge(generated: &[u64], kept: &[u64], nearest: Option<u32>) -> [u64; 4] {
+        let mut j = Judgement::default();
+        j.pixel(generated, kept, nearest);
+        [j.duplicated, j.torn, j.lost, j.beyond]
+    }
+
+    #[test]
+    fn judgements() {
+        assert_eq!(judge(&[1, 2, 3], &[1, 2, 3], None), [0, 0, 0, 0]);
+        assert_eq!(judge(&[1, 2, 3], &[1, 2], Some(2)), [0, 0, 0, 1], "3 is beyond the 2 nearest");
+        assert_eq!(judge(&[1, 2, 3], &[1, 3], Some(2)), [0, 0, 1, 0], "2 was lost; 3 is there");
+        assert_eq!(judge(&[1, 2, 3], &[2, 2], Some(2)), [1, 0, 1, 1]);
+        assert_eq!(judge(&[1, 2], &[1, 7], None), [0, 1, 1, 0], "7 was never made");
+        assert_eq!(judge(&[4, 4, 4], &[4], Some(2)), [0, 0, 1, 1], "of three equal, two belong");
+        assert_eq!(judge(&[], &[], None), [0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_corrected_tally_balances() {
+        // Three generated, k = 2; both invocations that were too late report the same eviction.
+        let mut tally = Tally { generated: 3, kept: 2, evicted: 2, ..Tally::default() };
+        let mut judgement = Judgement::default();
+        judgement.pixel(&[1, 2, 3], &[1, 1], Some(2));
+        tally.correct(&judgement);
+        assert!(tally.balances(), "{tally:?}");
+        assert_eq!((tally.lost, tally.duplicated, tally.evicted), (1, 1, 1));
+    }
+}

@@ -1,0 +1,44 @@
+//! How passes run: who executes the invocations of clear, store and resolve.
+//!
+//! * [`tile`]: tiles in parallel; each worker owns its tile's pixels (exclusive memory), and resolves them while they
+//!   are in its cache.
+//! * [`threads`]: rasterizer threads hand packets to worker threads that contend on shared atomics, also for the same
+//!   pixel.
+//! * [`sim`]: one thread steps resident invocations, one memory operation at a time, as a policy says.
+//! * [`oracle`]: the exact reference, which is no scheme.
+//!
+//! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). Between passes
+//! stands a barrier for the whole frame, except in `tile`, where it stands between the passes of a tile: pixel storage
+//! is all that a tile's passes share, apart from pools whose nodes nobody else reads.
+
+pub mod account;
+pub mod clock;
+pub mod drive;
+pub mod frame;
+pub mod oracle;
+pub mod sim;
+
+pub mod threads;
+pub mod tile;
+
+use crate::raster::{FrontEnd, Record};
+
+pub use account::Tally;
+pub use frame::Frame;
+
+/// What is drawn: the same for every executor.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// The scene's primitives.
+    pub front: &'a FrontEnd,
+    /// What a fragment's words hold.
+    pub record: Record,
+    /// Linear 16-bit RGB.
+    pub background: [u16; 3],
+    /// The number of nearest fragments that the method promises to keep; `None` is all.
+    pub nearest: Option<u32>,
+    /// Whether the method may lose fragments in races, so that lists are compared with what was generated.
+    pub racy: bool,
+    /// Worker threads.
+    pub threads: usize,
+}

@@ -1,0 +1,101 @@
+//! The simulated device: thousands of resident invocations, one memory operation a step.
+//!
+//! Invocations are admitted in submission order (primitive by primitive over the whole image, so that nothing depends
+//! on tiles) into a fixed number of slots. A [`Policy`] names the slot that performs the next operation. When an
+//! invocation ends, its slot takes the next one. The sequence of slots is the schedule: it can be recorded, and run
+//! again exactly.
+//!
+//! Passes are queues of work; a barrier between two of them means that the second begins when the first has drained.
+
+pub mod device;
+pub mod policy;
+pub mod schedule;
+mod submission;
+
+use std::collections::BTreeMap;
+
+use super::account::Tally;
+use super::frame::{Finisher, Frame, PixelCounts};
+use super::Job;
+use crate::error::Result;
+use crate::memory::Layout;
+use crate::memory::sim::Sim as Memory;
+use crate::scheme::Scheme;
+use device::{Device, Done, Work};
+use policy::{Policy, Settings};
+use submission::Submission;
+
+/// What a run on the simulated device gives.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The finished frame.
+    pub frame: Frame,
+    /// The schedule, if it was recorded.
+    pub schedule: Option<Vec<u8>>,
+    /// Seconds are not known here; how many operations ran in each pass is.
+    pub steps: BTreeMap<String, u64>,
+}
+
+/// Run a scheme. `pattern` fills memory beforehand: only clear passes make it fit for use.
+///
+/// # Errors
+/// A recorded schedule that belongs to another run, or a schedule under which nothing ends any more.
+pub fn run<S: Scheme>(
+    scheme: &S,
+    layout: &Layout,
+    job: &Job<'_>,
+    settings: &Settings,
+    pattern: u64,
+) -> Result<Outcome> {
+    let grid = &job.front.grid;
+    let mem = Memory::new(layout, grid.storage_pixels(), pattern);
+    let mut device = Device::new(scheme, &mem, settings)?;
+    let mut steps = BTreeMap::new();
+    let mut counts = PixelCounts::default();
+    counts.reset(grid.storage_pixels());
+    let mut reports = Tally::default();
+    let mut lists = vec![Vec::new(); grid.storage_pixels()];
+
+    let pixels = || (0..grid.storage_pixels() as u32).filter(|&p| on_screen(job, p));
+    let clear = std::iter::once(Work::ClearFrame).chain(pixels().map(Work::Clear));
+    steps.insert("clear".to_owned(), device.pass(clear, |_| ())?);
+    let submission = Submission::new(job, &mut counts.generated).map(Work::Store);
+    let stored = device.pass(submission, |done| {
+        if let Done::Stored(pixel, outcome) = done {
+            counts.gone[pixel as usize] += u32::from(reports.report(outcome));
+        }
+    })?;
+    steps.insert("store".to_owned(), stored);
+    let resolved = device.pass(pixels().map(Work::Resolve), |done| {
+        if let Done::Resolved(pixel, keys) = done {
+            lists[pixel as usize] = keys;
+        }
+    })?;
+    steps.insert("resolve".to_owned(), resolved);
+
+    let schedule = device.finish()?;
+    let per_tile = grid.pixels_per_tile();
+    let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
+        let mut finisher = Finisher::new(job, tile);
+        for (i, keys) in lists.iter_mut().enumerate() {
+            let pixel = tile * per_tile + i;
+            finisher.pixel(keys, counts.generated[pixel], counts.gone[pixel]);
+        }
+        finisher.finish(&Tally::default())
+    });
+    let frame = Frame::new(job, tiles.collect(), &reports, mem.counters().clone());
+    Ok(Outcome { frame, schedule, steps })
+}
+
+/// Whether a storage place is a pixel of the image.
+fn on_screen(job: &Job<'_>, pixel: u32) -> bool {
+    let grid = &job.front.grid;
+    let per_tile = grid.pixels_per_tile() as u32;
+    let (x, y) = grid.position((pixel / per_tile) as usize, pixel % per_tile);
+    x < grid.width && y < grid.height
+}
+
+/// Make a policy by settings: see [`policy`].
+fn make(settings: &Settings) -> Result<Box<dyn Policy>> {
+    policy::make(settings)
+}

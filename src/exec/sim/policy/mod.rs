@@ -1,0 +1,100 @@
+//! Policies: who performs the next operation. One file each.
+
+mod order;
+mod random;
+mod recorded;
+mod round_robin;
+mod warp;
+
+use super::schedule::Reader;
+use crate::error::{Error, Result};
+
+/// Decides the schedule. Slots are told as they fill and empty; `next` is asked only while one is filled.
+pub trait Policy {
+    /// The slot took a new invocation, younger than all before.
+    fn admit(&mut self, slot: u32);
+
+    /// The slot's invocation ended.
+    fn retire(&mut self, slot: u32);
+
+    /// The slot that goes next.
+    ///
+    /// # Errors
+    /// Only a recorded schedule can fail: at its end.
+    fn next(&mut self) -> Result<u32>;
+
+    /// Slots that are refilled together, once all of them are empty.
+    fn group(&self) -> usize {
+        1
+    }
+
+    /// How many slots there are, given how many were asked for.
+    fn resident(&self, asked: usize) -> usize {
+        asked.next_multiple_of(self.group())
+    }
+
+    /// The run is over.
+    ///
+    /// # Errors
+    /// A recorded schedule that goes on.
+    fn finish(&mut self) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// Who goes next on the simulated device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The oldest invocation runs to its end: submission order.
+    Order,
+    /// The youngest resident invocation goes first.
+    Reverse,
+    /// Each in turn, one operation each.
+    RoundRobin,
+    /// A uniformly random resident invocation.
+    Random,
+    /// Warps of N consecutive invocations in lockstep, in turn.
+    Warp(u32),
+    /// A schedule recorded before.
+    Recorded(Vec<u8>),
+}
+
+/// How the simulated device is set up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Who goes next.
+    pub policy: Kind,
+    /// Seed of `Kind::Random`.
+    pub seed: u64,
+    /// Invocations in flight, at least 1; a recorded schedule brings its own.
+    pub resident: usize,
+    /// Record the schedule.
+    pub record: bool,
+    /// What a schedule belongs to (`schedule::fingerprint`).
+    pub fingerprint: u64,
+}
+
+/// The most lanes a warp has.
+pub const MAX_WARP: u32 = 1_024;
+
+/// The policy that the settings name.
+///
+/// # Errors
+/// A warp of no or too many lanes, or a schedule that cannot be read.
+pub fn make(settings: &Settings) -> Result<Box<dyn Policy>> {
+    Ok(match &settings.policy {
+        Kind::Order => Box::new(order::Order::default()),
+        Kind::Reverse => Box::new(order::Reverse::default()),
+        Kind::RoundRobin => Box::new(round_robin::RoundRobin::default()),
+        Kind::Random => Box::new(random::RandomSlot::new(settings.seed)),
+        Kind::Warp(lanes) if (1..=MAX_WARP).contains(lanes) => Box::new(warp::Warp::new(*lanes)),
+        Kind::Warp(lanes) => {
+            let problem = format!("warp:{lanes}: a warp has 1 to {MAX_WARP} lanes");
+            return Err(Error::new("--schedule", problem));
+        }
+        Kind::Recorded(bytes) => {
+            let reader = Reader::new(bytes.clone(), settings.fingerprint)?;
+            Box::new(recorded::Recorded::new(reader))
+        }
+    })
+}

@@ -1,0 +1,45 @@
+//! `order` and `reverse`: one invocation runs to its end, then the next. They differ in who is next: the oldest, as a
+//! device that draws strictly in submission order, or the youngest that is resident.
+
+use std::collections::VecDeque;
+
+use super::Policy;
+use crate::error::Result;
+
+/// The oldest first. Slots fill in order of age, so a queue holds them by age.
+#[derive(Debug, Default)]
+pub(super) struct Order(VecDeque<u32>);
+
+impl Policy for Order {
+    fn admit(&mut self, slot: u32) {
+        self.0.push_back(slot);
+    }
+
+    fn retire(&mut self, slot: u32) {
+        debug_assert_eq!(self.0.front(), Some(&slot), "only the first one runs");
+        self.0.pop_front();
+    }
+
+    fn next(&mut self) -> Result<u32> {
+        Ok(self.0.front().copied().unwrap_or(u32::MAX))
+    }
+}
+
+/// The youngest first.
+#[derive(Debug, Default)]
+pub(super) struct Reverse(Vec<u32>);
+
+impl Policy for Reverse {
+    fn admit(&mut self, slot: u32) {
+        self.0.push(slot);
+    }
+
+    fn retire(&mut self, slot: u32) {
+        debug_assert_eq!(self.0.last(), Some(&slot), "only the last one runs");
+        self.0.pop();
+    }
+
+    fn next(&mut self) -> Result<u32> {
+        Ok(self.0.last().copied().unwrap_or(u32::MAX))
+    }
+}

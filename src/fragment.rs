@@ -1,0 +1,77 @@
+//! The only types that cross from the rasterizer to the schemes.
+
+use std::fmt;
+
+/// One sample of one primitive at one pixel.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Fragment {
+    /// Which pixel's memory it goes to: an index into the executor's pixel storage, not a screen position.
+    pub pixel: u32,
+    /// Stored depth: a code in the run's `num::depth::Format`, never `EMPTY`.
+    pub depth: u32,
+    /// RGBA8 with R in the low byte, or the global triangle index, as the run says.
+    pub data: u32,
+}
+
+impl Fragment {
+    /// Depth in the upper half, data in the lower: the canonical total order of fragments.
+    #[inline]
+    #[must_use]
+    pub fn key(self) -> u64 {
+        key(self.depth, self.data)
+    }
+}
+
+impl fmt::Debug for Fragment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "p{} {:08x}:{:08x}", self.pixel, self.depth, self.data)
+    }
+}
+
+/// The sort key of a stored fragment.
+#[inline]
+#[must_use]
+pub fn key(depth: u32, data: u32) -> u64 {
+    (u64::from(depth) << 32) | u64::from(data)
+}
+
+/// The depth word of a key.
+#[inline]
+#[must_use]
+pub fn depth_of(key: u64) -> u32 {
+    (key >> 32) as u32
+}
+
+/// The data word of a key.
+#[inline]
+#[must_use]
+pub fn data_of(key: u64) -> u32 {
+    key as u32
+}
+
+/// Edge of a block in pixels: one packet covers at most `BLOCK` x `BLOCK` pixels.
+pub const BLOCK: u32 = 8;
+
+/// The covered pixels of one primitive in one 8x8 block: what rasterizer threads hand to workers (16 bytes for up
+/// to 64 fragments).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// Index of the primitive in the front end's list.
+    pub primitive: u32,
+    /// Block column, in units of 8 pixels from the left.
+    pub column: u16,
+    /// Block row, in units of 8 pixels from the top.
+    pub row: u16,
+    /// Bit `8 * y + x` is the pixel (x, y) of the block; never 0.
+    pub mask: u64,
+}
+
+/// The 32-bit word stored with a depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Data {
+    /// Linear RGBA8.
+    #[default]
+    Color,
+    /// The global triangle index; the colour is looked up at resolve.
+    Primitive,
+}

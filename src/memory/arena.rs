@@ -1,0 +1,126 @@
+//! Storage for one space of a layout: records of words, zeroed when made. The system hands out zeroed pages on first
+//! touch, so a large pool costs only what is used of it.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, AtomicU64};
+
+use super::layout::{At, Sizes};
+use super::{Access, Kind, Order, Space, Update, Word};
+
+/// Words that many threads share. Plain words are relaxed atomics too, as safe Rust demands; on the machines at hand
+/// that is the same instruction.
+#[derive(Debug)]
+pub struct Shared {
+    pub(super) words32: Box<[AtomicU32]>,
+    pub(super) words64: Box<[AtomicU64]>,
+    stride: Sizes,
+}
+
+/// Words that one thread owns.
+#[derive(Debug)]
+pub struct Owned {
+    pub(super) words32: Box<[Cell<u32>]>,
+    pub(super) words64: Box<[Cell<u64>]>,
+    stride: Sizes,
+}
+
+/// What every arena can do, at once.
+pub(super) trait Arena {
+    fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, access: Access) -> W;
+    fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, access: Access);
+    fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, order: Order) -> W;
+}
+
+/// Index of an address in the arena's array.
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+#[inline(always)]
+fn index<S: Space, K: Kind, W: Word>(stride: &Sizes, at: At<S, K, W>) -> usize {
+    if S::GLOBAL {
+        return at.word as usize;
+    }
+    let record = if W::BITS == 64 { stride.words64 } else { stride.words32 };
+    at.pixel as usize * record as usize + at.word as usize
+}
+
+fn total(sizes: Sizes, records: usize) -> [usize; 2] {
+    [sizes.words32 as usize * records, sizes.words64 as usize * records]
+}
+
+impl Shared {
+    /// `records` records of the given sizes, all zero.
+    #[must_use]
+    pub fn new(sizes: Sizes, records: usize) -> Self {
+        let [n32, n64] = total(sizes, records);
+        Self {
+            words32: bytemuck::allocation::zeroed_slice_box(n32),
+            words64: bytemuck::allocation::zeroed_slice_box(n64),
+            stride: sizes,
+        }
+    }
+}
+
+impl Owned {
+    /// `records` records of the given sizes, all zero.
+    #[must_use]
+    pub fn new(sizes: Sizes, records: usize) -> Self {
+        let [n32, n64] = total(sizes, records);
+        Self {
+            words32: bytemuck::allocation::zeroed_slice_box(n32),
+            words64: bytemuck::allocation::zeroed_slice_box(n64),
+            stride: sizes,
+        }
+    }
+
+    /// Set every word to the low bits of `pattern`: what a scheme finds where its clear pass does not write.
+    pub fn fill(&self, pattern: u64) {
+        self.words32.iter().for_each(|w| w.set(pattern as u32));
+        self.words64.iter().for_each(|w| w.set(pattern));
+    }
+}
+
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl Arena for Shared {
+    #[inline(always)]
+    fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, access: Access) -> W {
+        let order = match access {
+            Access::Plain => Order::Relaxed,
+            Access::Atomic(order) => order,
+        };
+        W::shared_load(self, index(&self.stride, at), order.for_load())
+    }
+
+    #[inline(always)]
+    fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, access: Access) {
+        let order = match access {
+            Access::Plain => Order::Relaxed,
+            Access::Atomic(order) => order,
+        };
+        W::shared_store(self, index(&self.stride, at), value, order.for_store());
+    }
+
+    #[inline(always)]
+    fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, order: Order) -> W {
+        W::shared_update(self, index(&self.stride, at), u, order)
+    }
+}
+
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl Arena for Owned {
+    #[inline(always)]
+    fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, _: Access) -> W {
+        W::owned(self)[index(&self.stride, at)].get()
+    }
+
+    #[inline(always)]
+    fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, _: Access) {
+        W::owned(self)[index(&self.stride, at)].set(value);
+    }
+
+    #[inline(always)]
+    fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, _: Order) -> W {
+        let cell = &W::owned(self)[index(&self.stride, at)];
+        let old = cell.get();
+        cell.set(u.apply(old));
+        old
+    }
+}

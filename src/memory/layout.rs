@@ -1,0 +1,180 @@
+//! Where a scheme's words are.
+//!
+//! A scheme declares its words once, before any memory exists; a declaration hands back [`Words`], typed by space
+//! (one record per pixel, or one block for the frame), kind (atomic or plain) and width. All 32-bit words of a pixel
+//! form one record, so that a fragment touches neighbouring cache lines; 64-bit words form a second one.
+
+use std::marker::PhantomData;
+
+use super::word::Word;
+
+/// Words that belong to a pixel.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixel {}
+
+/// Words that belong to the whole frame: pools, counters, tables.
+#[derive(Clone, Copy, Debug)]
+pub enum Global {}
+
+/// Words reached by atomic operations.
+#[derive(Clone, Copy, Debug)]
+pub enum Atomic {}
+
+/// Words reached by plain loads and stores only.
+#[derive(Clone, Copy, Debug)]
+pub enum Plain {}
+
+/// [`Pixel`] or [`Global`].
+pub trait Space: Copy + Unpin {
+    /// Belongs to the frame.
+    const GLOBAL: bool;
+}
+
+impl Space for Pixel {
+    const GLOBAL: bool = false;
+}
+
+impl Space for Global {
+    const GLOBAL: bool = true;
+}
+
+/// [`Atomic`] or [`Plain`].
+pub trait Kind: Copy + Unpin {
+    /// Reached by atomic operations.
+    const ATOMIC: bool;
+}
+
+impl Kind for Atomic {
+    const ATOMIC: bool = true;
+}
+
+impl Kind for Plain {
+    const ATOMIC: bool = false;
+}
+
+/// A run of words that a scheme declared.
+#[derive(Debug)]
+pub struct Words<S, K, W> {
+    first: u64,
+    count: u64,
+    typed: PhantomData<(S, K, W)>,
+}
+
+/// The address of one word.
+#[derive(Debug)]
+pub struct At<S, K, W> {
+    /// Which pixel's record; 0 in global space.
+    pub pixel: u32,
+    /// Which word of the record, or of global space.
+    pub word: u64,
+    typed: PhantomData<(S, K, W)>,
+}
+
+impl<S, K, W> Clone for Words<S, K, W> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, K, W> Copy for Words<S, K, W> {}
+
+impl<S, K, W> Clone for At<S, K, W> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, K, W> Copy for At<S, K, W> {}
+
+impl<K, W> Words<Pixel, K, W> {
+    /// Word `i` of a pixel's run.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(self, pixel: u32, i: u32) -> At<Pixel, K, W> {
+        debug_assert!(u64::from(i) < self.count);
+        At { pixel, word: self.first + u64::from(i), typed: PhantomData }
+    }
+}
+
+impl<K, W> Words<Global, K, W> {
+    /// Word `i` of the frame's run.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(self, i: u64) -> At<Global, K, W> {
+        debug_assert!(i < self.count);
+        At { pixel: 0, word: self.first + i, typed: PhantomData }
+    }
+}
+
+impl<S, K, W> Words<S, K, W> {
+    /// How many words the run has (per pixel, in pixel space).
+    #[inline(always)]
+    #[must_use]
+    pub fn count(self) -> u64 {
+        self.count
+    }
+}
+
+/// Sizes of one space's two records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// 32-bit words.
+    pub words32: u64,
+    /// 64-bit words.
+    pub words64: u64,
+}
+
+impl Sizes {
+    /// Bytes of both.
+    #[must_use]
+    pub fn bytes(self) -> u64 {
+        4 * self.words32 + 8 * self.words64
+    }
+}
+
+/// All declarations of a scheme.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Layout {
+    pixel: Sizes,
+    global: Sizes,
+}
+
+impl Layout {
+    /// Declare `count` words for every pixel.
+    pub fn pixel<K: Kind, W: Word>(&mut self, count: u64) -> Words<Pixel, K, W> {
+        Words::take(&mut self.pixel, count)
+    }
+
+    /// Declare `count` words for the frame.
+    pub fn global<K: Kind, W: Word>(&mut self, count: u64) -> Words<Global, K, W> {
+        Words::take(&mut self.global, count)
+    }
+
+    /// Words of one pixel.
+    #[must_use]
+    pub fn per_pixel(&self) -> Sizes {
+        self.pixel
+    }
+
+    /// Words of the frame.
+    #[must_use]
+    pub fn per_frame(&self) -> Sizes {
+        self.global
+    }
+
+    /// Bytes for an image of so many pixels.
+    #[must_use]
+    pub fn bytes(&self, pixels: u64) -> u64 {
+        self.pixel.bytes().saturating_mul(pixels).saturating_add(self.global.bytes())
+    }
+}
+
+impl<S, K, W: Word> Words<S, K, W> {
+    fn take(sizes: &mut Sizes, count: u64) -> Self {
+        let total = if W::BITS == 64 { &mut sizes.words64 } else { &mut sizes.words32 };
+        let first = *total;
+        *total += count;
+        Self { first, count, typed: PhantomData }
+    }
+}

@@ -1,0 +1,265 @@
+//! The shader's view of memory.
+//!
+//! A scheme is an `async fn` generic over [`Memory`]; each access to shared memory is one `.await`. What an access
+//! *is* depends on the memory: a std atomic ([`native`]), a plain cell of a tile that one worker owns
+//! ([`exclusive`]), or one step of a simulated device that chooses who goes next ([`sim`]). loom's memory lives with
+//! the tests.
+//!
+//! The operations are WGSL's atomics plus what WGSL lacks: memory orderings, and GLSL's plain store to an atomic word
+//! (the papers' unlock). A word is declared atomic or plain, 32 or 64 bits, and belongs to a pixel or to the frame
+//! ([`layout`]); all of that is in its type, so that a plain word cannot be exchanged and the choice of storage costs
+//! nothing at run time.
+//!
+//! Ready operations return [`std::future::Ready`], never an `async` block: only then does the compiler remove the
+//! machinery (`benches/async_overhead.rs` guards that).
+
+pub mod arena;
+pub mod count;
+pub mod exclusive;
+pub mod layout;
+pub mod native;
+pub mod sim;
+pub mod word;
+
+use std::future::Future;
+
+pub use count::{Counters, Observer};
+pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Space, Words};
+pub use word::Word;
+
+/// How an atomic operation is ordered against others, as in C++ and Rust (there is no sequentially consistent one:
+/// neither Vulkan nor WGSL has it).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Order {
+    /// Atomic, and nothing else.
+    Relaxed,
+    /// What the writer did before its release is visible after this read.
+    Acquire,
+    /// What was done before this write is visible to who acquires it.
+    Release,
+    /// Both, for a read-modify-write.
+    AcqRel,
+}
+
+/// How a read or write reaches its word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// Not atomic: a data race if another invocation conflicts.
+    Plain,
+    /// Atomic, with an order.
+    Atomic(Order),
+}
+
+/// A read-modify-write; each returns the old value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Update<W> {
+    /// Write the value.
+    Exchange(W),
+    /// Write `new` if the old value is `expected`. Strong: it does not fail otherwise.
+    CompareExchange {
+        /// What must be there.
+        expected: W,
+        /// What is then written.
+        new: W,
+    },
+    /// Add, wrapping.
+    Add(W),
+    /// Bitwise and.
+    And(W),
+    /// Bitwise or.
+    Or(W),
+    /// The smaller of both, unsigned.
+    Min(W),
+    /// The larger of both, unsigned.
+    Max(W),
+}
+
+impl<W: Word> Update<W> {
+    /// What the word holds afterwards.
+    #[inline(always)]
+    #[must_use]
+    pub fn apply(self, old: W) -> W {
+        match self {
+            Self::Exchange(new) => new,
+            Self::CompareExchange { expected, new } => {
+                if old == expected {
+                    new
+                } else {
+                    old
+                }
+            }
+            Self::Add(v) => old.wrapping_add(v),
+            Self::And(v) => old.and(v),
+            Self::Or(v) => old.or(v),
+            Self::Min(v) => old.min(v),
+            Self::Max(v) => old.max(v),
+        }
+    }
+
+    /// Whether an exchange did not get what it wanted: it found its own value (a lock already taken), or a
+    /// compare-exchange found another.
+    #[inline(always)]
+    #[must_use]
+    pub fn failed(self, old: W) -> bool {
+        match self {
+            Self::Exchange(new) => old == new,
+            Self::CompareExchange { expected, .. } => old != expected,
+            _ => false,
+        }
+    }
+}
+
+/// Shared memory, as a shader invocation sees it. An implementation has four operations; a scheme uses the named ones
+/// below them.
+///
+/// # Panics
+/// Every operation panics on an address outside the layout the memory was made for, which only a faulty scheme makes.
+#[allow(clippy::inline_always, reason = "the cost of a scheme is the cost of these operations")]
+pub trait Memory {
+    /// Read a word.
+    fn read<S: Space, K: Kind, W: Word>(
+        &self,
+        at: At<S, K, W>,
+        access: Access,
+    ) -> impl Future<Output = W>;
+
+    /// Write a word.
+    fn write<S: Space, K: Kind, W: Word>(
+        &self,
+        at: At<S, K, W>,
+        value: W,
+        access: Access,
+    ) -> impl Future<Output = ()>;
+
+    /// Read, modify and write a word in one atomic operation; the old value.
+    fn update<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        update: Update<W>,
+        order: Order,
+    ) -> impl Future<Output = W>;
+
+    /// Say that this invocation waits for another one and is about to try again.
+    fn spin(&self) -> impl Future<Output = ()>;
+
+    /// `atomicLoad`
+    #[inline(always)]
+    fn load<S: Space, W: Word>(&self, at: At<S, Atomic, W>, order: Order) -> impl Future<Output = W> {
+        self.read(at, Access::Atomic(order))
+    }
+
+    /// `atomicStore`
+    #[inline(always)]
+    fn store<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = ()> {
+        self.write(at, value, Access::Atomic(order))
+    }
+
+    /// Read a plain word.
+    #[inline(always)]
+    fn plain_load<S: Space, W: Word>(&self, at: At<S, Plain, W>) -> impl Future<Output = W> {
+        self.read(at, Access::Plain)
+    }
+
+    /// Write a plain word.
+    #[inline(always)]
+    fn plain_store<S: Space, W: Word>(
+        &self,
+        at: At<S, Plain, W>,
+        value: W,
+    ) -> impl Future<Output = ()> {
+        self.write(at, value, Access::Plain)
+    }
+
+    /// GLSL's `imageStore` to a word that others access atomically: not atomic, not ordered.
+    #[inline(always)]
+    fn plain_store_to_atomic<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+    ) -> impl Future<Output = ()> {
+        self.write(at, value, Access::Plain)
+    }
+
+    /// `atomicExchange`; the old value.
+    #[inline(always)]
+    fn exchange<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::Exchange(value), order)
+    }
+
+    /// `atomicCompareExchange`, strong; the old value, which is `expected` if and only if `new` was written.
+    #[inline(always)]
+    fn compare_exchange<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        expected: W,
+        new: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::CompareExchange { expected, new }, order)
+    }
+
+    /// `atomicAdd`, wrapping; the old value.
+    #[inline(always)]
+    fn add<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::Add(value), order)
+    }
+
+    /// `atomicAnd`; the old value.
+    #[inline(always)]
+    fn and<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::And(value), order)
+    }
+
+    /// `atomicOr`; the old value.
+    #[inline(always)]
+    fn or<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::Or(value), order)
+    }
+
+    /// `atomicMin`, unsigned; the old value.
+    #[inline(always)]
+    fn min<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::Min(value), order)
+    }
+
+    /// `atomicMax`, unsigned; the old value.
+    #[inline(always)]
+    fn max<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        value: W,
+        order: Order,
+    ) -> impl Future<Output = W> {
+        self.update(at, Update::Max(value), order)
+    }
+}

@@ -1,0 +1,153 @@
+//! The two widths of a word.
+
+use std::cell::Cell;
+use std::fmt::Debug;
+use std::hash::Hash;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use super::arena::{Owned, Shared};
+use super::{Order, Update};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for u32 {}
+    impl Sealed for u64 {}
+}
+
+/// `u32` or `u64`.
+pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + 'static {
+    /// 32 or 64.
+    const BITS: u32;
+
+    /// Zero-extended.
+    fn to_u64(self) -> u64;
+
+    /// The low bits.
+    fn from_u64(bits: u64) -> Self;
+
+    #[doc(hidden)]
+    fn wrapping_add(self, other: Self) -> Self;
+    #[doc(hidden)]
+    fn and(self, other: Self) -> Self;
+    #[doc(hidden)]
+    fn or(self, other: Self) -> Self;
+    #[doc(hidden)]
+    fn owned(arena: &Owned) -> &[Cell<Self>];
+    #[doc(hidden)]
+    fn shared_load(arena: &Shared, index: usize, ordering: Ordering) -> Self;
+    #[doc(hidden)]
+    fn shared_store(arena: &Shared, index: usize, value: Self, ordering: Ordering);
+    #[doc(hidden)]
+    fn shared_update(arena: &Shared, index: usize, update: Update<Self>, order: Order) -> Self;
+}
+
+macro_rules! word {
+    ($word:ty, $bits:literal, $atomic:ty, $field:ident) => {
+        #[allow(clippy::inline_always, reason = "see `Memory`")]
+        impl Word for $word {
+            const BITS: u32 = $bits;
+
+            #[inline(always)]
+            fn to_u64(self) -> u64 {
+                u64::from(self)
+            }
+
+            #[inline(always)]
+            fn from_u64(bits: u64) -> Self {
+                bits as $word
+            }
+
+            #[inline(always)]
+            fn wrapping_add(self, other: Self) -> Self {
+                <$word>::wrapping_add(self, other)
+            }
+
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                self & other
+            }
+
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                self | other
+            }
+
+            #[inline(always)]
+            fn owned(arena: &Owned) -> &[Cell<Self>] {
+                &arena.$field
+            }
+
+            #[inline(always)]
+            fn shared_load(arena: &Shared, index: usize, ordering: Ordering) -> Self {
+                arena.$field[index].load(ordering)
+            }
+
+            #[inline(always)]
+            fn shared_store(arena: &Shared, index: usize, value: Self, ordering: Ordering) {
+                arena.$field[index].store(value, ordering);
+            }
+
+            #[inline(always)]
+            fn shared_update(
+                arena: &Shared,
+                index: usize,
+                update: Update<Self>,
+                order: Order,
+            ) -> Self {
+                let cell: &$atomic = &arena.$field[index];
+                let ordering = order.for_update();
+                match update {
+                    Update::Exchange(v) => cell.swap(v, ordering),
+                    Update::CompareExchange { expected, new } => {
+                        match cell.compare_exchange(expected, new, ordering, order.for_load()) {
+                            Ok(old) | Err(old) => old,
+                        }
+                    }
+                    Update::Add(v) => cell.fetch_add(v, ordering),
+                    Update::And(v) => cell.fetch_and(v, ordering),
+                    Update::Or(v) => cell.fetch_or(v, ordering),
+                    Update::Min(v) => cell.fetch_min(v, ordering),
+                    Update::Max(v) => cell.fetch_max(v, ordering),
+                }
+            }
+        }
+    };
+}
+
+word!(u32, 32, AtomicU32, words32);
+word!(u64, 64, AtomicU64, words64);
+
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl Order {
+    /// As std's ordering of a read-modify-write.
+    #[inline(always)]
+    #[must_use]
+    pub fn for_update(self) -> Ordering {
+        match self {
+            Self::Relaxed => Ordering::Relaxed,
+            Self::Acquire => Ordering::Acquire,
+            Self::Release => Ordering::Release,
+            Self::AcqRel => Ordering::AcqRel,
+        }
+    }
+
+    /// The part of it that a read can have.
+    #[inline(always)]
+    #[must_use]
+    pub fn for_load(self) -> Ordering {
+        match self {
+            Self::Relaxed | Self::Release => Ordering::Relaxed,
+            Self::Acquire | Self::AcqRel => Ordering::Acquire,
+        }
+    }
+
+    /// The part of it that a write can have.
+    #[inline(always)]
+    #[must_use]
+    pub fn for_store(self) -> Ordering {
+        match self {
+            Self::Relaxed | Self::Acquire => Ordering::Relaxed,
+            Self::Release | Self::AcqRel => Ordering::Release,
+        }
+    }
+}

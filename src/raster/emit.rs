@@ -1,0 +1,94 @@
+//! From packets to fragments: depth by the plane, data by the surface.
+
+use super::front::FrontEnd;
+use super::shade::Surface;
+use crate::fragment::{Data, Fragment, Packet};
+use crate::num::depth::Format;
+
+/// What a run stores in a fragment's two words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// The depth word.
+    pub depth: Format,
+    /// The data word.
+    pub data: Data,
+}
+
+/// The fragments of one packet.
+#[derive(Debug)]
+pub struct Batch {
+    fragments: [Fragment; 64],
+    len: usize,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self { fragments: [Fragment::default(); 64], len: 0 }
+    }
+}
+
+impl Batch {
+    /// The fragments, in the order of the mask's bits.
+    #[inline]
+    #[must_use]
+    pub fn fragments(&self) -> &[Fragment] {
+        &self.fragments[..self.len]
+    }
+
+    #[inline]
+    fn push(&mut self, fragment: Fragment) {
+        // The mask has 64 bits, so the index never wraps; the mask only spares the check.
+        self.fragments[self.len & 63] = fragment;
+        self.len += 1;
+    }
+}
+
+impl FrontEnd {
+    /// Replace a batch by a packet's fragments; their pixels count from `first_pixel`, the place of the block's first
+    /// pixel.
+    pub fn fragments(&self, packet: Packet, record: Record, first_pixel: u32, batch: &mut Batch) {
+        let primitive = &self.primitives()[packet.primitive as usize];
+        match (record.data, self.surface(primitive)) {
+            (Data::Primitive, _) => {
+                let word = primitive.triangle;
+                self.emit(packet, record.depth, first_pixel, batch, |_, _| word);
+            }
+            (Data::Color, Surface::Uniform(word)) => {
+                self.emit(packet, record.depth, first_pixel, batch, |_, _| *word);
+            }
+            (Data::Color, surface @ Surface::Varying(_)) => {
+                self.emit(packet, record.depth, first_pixel, batch, |x, y| surface.at(x, y));
+            }
+        }
+    }
+
+    #[inline]
+    fn emit(
+        &self,
+        packet: Packet,
+        format: Format,
+        first_pixel: u32,
+        batch: &mut Batch,
+        data: impl Fn(u32, u32) -> u32,
+    ) {
+        let plane = self.primitives()[packet.primitive as usize].plane;
+        let (x, y) = (u32::from(packet.column) * 8, u32::from(packet.row) * 8);
+        let origin = plane.at(x, y);
+        batch.len = 0;
+        let mut mask = packet.mask;
+        while mask != 0 {
+            let bit = mask.trailing_zeros();
+            mask &= mask - 1;
+            let (dx, dy) = (bit & 7, bit >> 3);
+            let depth = format.encode(plane.code(plane.step(origin, dx, dy)));
+            batch.push(Fragment { pixel: first_pixel + bit, depth, data: data(x + dx, y + dy) });
+        }
+    }
+
+    /// The RGBA8 word of a triangle at a pixel, for runs that store triangle indices; 0 (transparent) if that triangle
+    /// is not visible.
+    #[must_use]
+    pub fn color_of(&self, triangle: u32, x: u32, y: u32) -> u32 {
+        self.primitive_of(triangle).map_or(0, |p| self.surface(p).at(x, y))
+    }
+}

@@ -1,0 +1,258 @@
+//! The front end: a scene becomes primitives and bins.
+//!
+//! Triangles are set up in parallel in chunks of fixed size and joined in submission order, so that nothing depends
+//! on the number of threads. A bin lists the primitives that may touch a tile, in submission order.
+
+use rayon::prelude::*;
+
+use super::clip::{Polygon, Viewport};
+use super::grid::Grid;
+use super::place::Placed;
+use super::primitive::{Primitive, Rect, Setup};
+use super::shade::Surface;
+use crate::fragment::Packet;
+use crate::num::color;
+use crate::scene::{Scene, ScreenTriangle};
+
+/// Triangles per parallel chunk.
+const CHUNK: usize = 4_096;
+
+/// Which faces are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum CullFace {
+    /// Draw both.
+    #[default]
+    None,
+    /// Leave out front faces: those seen counter-clockwise.
+    Front,
+    /// Leave out back faces: those seen clockwise.
+    Back,
+}
+
+impl CullFace {
+    fn leaves_out(self, back: bool) -> bool {
+        match self {
+            Self::None => false,
+            Self::Front => !back,
+            Self::Back => back,
+        }
+    }
+}
+
+/// A scene's primitives, binned by tile.
+#[derive(Debug)]
+pub struct FrontEnd {
+    /// The image and its tiles.
+    pub grid: Grid,
+    /// Triangles in the scene.
+    pub triangles: u64,
+    /// Triangles of zero area, before or after snapping.
+    pub degenerate: u64,
+    primitives: Vec<Primitive>,
+    surfaces: Vec<Surface>,
+    /// Bin t is `binned[starts[t]..starts[t + 1]]`.
+    starts: Vec<usize>,
+    binned: Vec<u32>,
+}
+
+impl FrontEnd {
+    /// Transform, clip, snap and bin every triangle of a scene.
+    #[must_use]
+    pub fn new(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
+        let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
+        let target = Target { viewport, image: grid.image(), cull };
+        let view_projection = scene.camera.view_projection(scene.size);
+        let mut chunks = Vec::new();
+        let mut first = 0u32;
+        for object in &scene.objects {
+            let placed = Placed::new(object, scene, view_projection);
+            let triangles = &object.mesh.triangles;
+            chunks.par_extend(triangles.par_chunks(CHUNK).enumerate().map(|(i, part)| {
+                Chunk::of_object(&placed, part, first + (i * CHUNK) as u32, target)
+            }));
+            first += triangles.len() as u32;
+        }
+        chunks.push(Chunk::of_screen(&scene.screen, first, target));
+        let triangles = u64::from(first) + scene.screen.len() as u64;
+        Self::join(grid, triangles, chunks)
+    }
+
+    fn join(grid: Grid, triangles: u64, chunks: Vec<Chunk>) -> Self {
+        let count = chunks.iter().map(|c| c.primitives.len()).sum();
+        let mut primitives: Vec<Primitive> = Vec::with_capacity(count);
+        let mut surfaces = Vec::with_capacity(count);
+        let mut degenerate = 0;
+        for mut chunk in chunks {
+            let base = surfaces.len() as u32;
+            chunk.primitives.iter_mut().for_each(|p| p.surface += base);
+            primitives.append(&mut chunk.primitives);
+            surfaces.append(&mut chunk.surfaces);
+            degenerate += chunk.degenerate;
+        }
+        let (starts, binned) = bin(&primitives, &grid);
+        Self { grid, triangles, degenerate, primitives, surfaces, starts, binned }
+    }
+
+    /// The primitives in submission order.
+    #[must_use]
+    pub fn primitives(&self) -> &[Primitive] {
+        &self.primitives
+    }
+
+    /// What lies on a primitive.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, primitive: &Primitive) -> &Surface {
+        &self.surfaces[primitive.surface as usize]
+    }
+
+    /// The primitive of a global triangle index, if it is visible.
+    #[must_use]
+    pub fn primitive_of(&self, triangle: u32) -> Option<&Primitive> {
+        let found = self.primitives.binary_search_by_key(&triangle, |p| p.triangle);
+        found.ok().map(|i| &self.primitives[i])
+    }
+
+    /// Call `emit` for every packet of a tile, in submission order.
+    #[inline]
+    pub fn packets(&self, tile: usize, mut emit: impl FnMut(Packet)) {
+        let window = self.grid.tile_rect(tile);
+        for &index in &self.binned[self.starts[tile]..self.starts[tile + 1]] {
+            self.primitive_packets(index, window, &mut emit);
+        }
+    }
+
+    /// Call `emit` for every packet of the whole image, in submission order of primitives.
+    pub fn packets_in_order(&self, mut emit: impl FnMut(Packet)) {
+        let window = self.grid.image();
+        for index in 0..self.primitives.len() as u32 {
+            self.primitive_packets(index, window, &mut emit);
+        }
+    }
+
+    /// Call `emit` for every packet of one primitive inside `window`, row by row.
+    #[inline]
+    pub fn primitive_packets(&self, index: u32, window: Rect, mut emit: impl FnMut(Packet)) {
+        self.primitives[index as usize].blocks(window, |x, y, mask| {
+            let (column, row) = ((x / 8) as u16, (y / 8) as u16);
+            emit(Packet { primitive: index, column, row, mask });
+        });
+    }
+
+    /// Fragments of the whole scene in one geometry pass, without generating them.
+    #[must_use]
+    pub fn count_fragments(&self) -> u64 {
+        let tile = |t: usize| {
+            let mut sum = 0;
+            self.packets(t, |p| sum += u64::from(p.mask.count_ones()));
+            sum
+        };
+        (0..self.grid.tiles()).into_par_iter().map(tile).sum()
+    }
+
+    /// The largest number of fragments at any pixel.
+    #[must_use]
+    pub fn max_depth_complexity(&self) -> u32 {
+        let tile = |t: usize| {
+            let mut counts = vec![0u32; self.grid.pixels_per_tile()];
+            self.packets(t, |p| {
+                let block = self.grid.local_block(p) as usize * 64;
+                let mut mask = p.mask;
+                while mask != 0 {
+                    counts[block + mask.trailing_zeros() as usize] += 1;
+                    mask &= mask - 1;
+                }
+            });
+            counts.into_iter().max().unwrap_or(0)
+        };
+        (0..self.grid.tiles()).into_par_iter().map(tile).max().unwrap_or(0)
+    }
+}
+
+/// Part of a scene, set up by one thread.
+#[derive(Default)]
+struct Chunk {
+    primitives: Vec<Primitive>,
+    surfaces: Vec<Surface>,
+    degenerate: u64,
+}
+
+impl Chunk {
+    fn of_object(placed: &Placed<'_>, part: &[[u32; 3]], first: u32, target: Target) -> Self {
+        let mut chunk = Self::default();
+        for (index, triangle) in (first..).zip(part) {
+            match placed.corners(*triangle) {
+                None => chunk.degenerate += 1,
+                Some(corners) => {
+                    let polygon = target.viewport.clip(corners.clip);
+                    chunk.add(target, index, &polygon, |back, bounds| {
+                        placed.surface(&corners, back, &target.viewport, bounds)
+                    });
+                }
+            }
+        }
+        chunk
+    }
+
+    fn of_screen(triangles: &[ScreenTriangle], first: u32, target: Target) -> Self {
+        let mut chunk = Self::default();
+        for (index, triangle) in (first..).zip(triangles) {
+            let polygon = Polygon::new(&triangle.points.map(|[x, y, z]| target.viewport.snap(x, y, z)));
+            let [r, g, b, alpha] = triangle.color;
+            let word = color::rgba8([r, g, b], alpha);
+            chunk.add(target, index, &polygon, |_, _| Surface::Uniform(word));
+        }
+        chunk
+    }
+
+    /// Set up one triangle; `surface(back, bounds)` is asked for only if it is drawn.
+    fn add(
+        &mut self,
+        target: Target,
+        index: u32,
+        polygon: &Polygon,
+        surface: impl FnOnce(bool, Rect) -> Surface,
+    ) {
+        match Primitive::new(polygon, index, target.image) {
+            Setup::Degenerate => self.degenerate += 1,
+            Setup::Nothing => {}
+            Setup::Visible(mut primitive) => {
+                // y points down, so a positive area is clockwise: the back.
+                let back = polygon.doubled_area() > 0;
+                if !target.cull.leaves_out(back) {
+                    primitive.surface = self.surfaces.len() as u32;
+                    self.surfaces.push(surface(back, primitive.bounds));
+                    self.primitives.push(primitive);
+                }
+            }
+        }
+    }
+}
+
+/// Where triangles go.
+#[derive(Clone, Copy)]
+struct Target {
+    viewport: Viewport,
+    image: Rect,
+    cull: CullFace,
+}
+
+/// Bins in CSR form: starts per tile, then primitive indices in submission order.
+fn bin(primitives: &[Primitive], grid: &Grid) -> (Vec<usize>, Vec<u32>) {
+    let mut starts = vec![0usize; grid.tiles() + 1];
+    for primitive in primitives {
+        grid.tiles_touching(primitive.bounds, |tile| starts[tile + 1] += 1);
+    }
+    for tile in 0..grid.tiles() {
+        starts[tile + 1] += starts[tile];
+    }
+    let mut next = starts.clone();
+    let mut binned = vec![0u32; starts[grid.tiles()]];
+    for (index, primitive) in (0u32..).zip(primitives) {
+        grid.tiles_touching(primitive.bounds, |tile| {
+            binned[next[tile]] = index;
+            next[tile] += 1;
+        });
+    }
+    (starts, binned)
+}

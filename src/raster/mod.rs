@@ -1,0 +1,20 @@
+//! From a scene to fragments, exactly.
+//!
+//! `place` transforms, `clip` clips and snaps, `edge` decides coverage, `plane` gives depth, `shade` gives colour,
+//! `primitive` joins them for one triangle, `grid` numbers tiles and pixels, `front` sets up and bins a whole scene,
+//! `emit` turns packets into fragments. `naive` is the reference that all of it is tested against.
+
+pub mod clip;
+pub mod edge;
+pub mod emit;
+pub mod front;
+pub mod grid;
+pub mod naive;
+mod place;
+pub mod plane;
+pub mod primitive;
+pub mod shade;
+
+pub use emit::{Batch, Record};
+pub use front::{CullFace, FrontEnd};
+pub use grid::Grid;

@@ -1,0 +1,93 @@
+//! An object in place: its vertices in clip space and its normals in world space, in f64, by sums of products in the
+//! order written (not the matrix library's), so that they are the same everywhere.
+
+use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
+
+use super::clip::Viewport;
+use super::primitive::Rect;
+use super::shade::{Corners, Lighting, Surface};
+use crate::scene::{Material, Mesh, Object, Scene};
+
+/// An object with its vertices transformed.
+pub(super) struct Placed<'a> {
+    mesh: &'a Mesh,
+    material: &'a Material,
+    light: Lighting,
+    world: Vec<DVec3>,
+    clip: Vec<DVec4>,
+    normals: Vec<[f32; 3]>,
+}
+
+impl<'a> Placed<'a> {
+    /// Transform an object's vertices, in parallel.
+    #[must_use]
+    pub(super) fn new(object: &'a Object, scene: &'a Scene, view_projection: DMat4) -> Self {
+        let to_world = |p: &[f32; 3]| {
+            let w = transform(&object.transform, DVec3::from(p.map(f64::from)));
+            DVec3::new(w.x, w.y, w.z)
+        };
+        let mesh = &*object.mesh;
+        let world: Vec<DVec3> = mesh.positions.par_iter().map(to_world).collect();
+        let clip = world.par_iter().map(|&p| transform(&view_projection, p)).collect();
+        let cofactors = cofactors(&object.transform);
+        let normals = mesh.normals.par_iter().map(|&n| turn(&cofactors, n)).collect();
+        Self {
+            mesh,
+            material: &scene.materials[object.material],
+            light: Lighting::from(scene.light),
+            world,
+            clip,
+            normals,
+        }
+    }
+
+    /// The corners of a triangle; `None` if it has no area in the world, or is not finite in clip space.
+    #[must_use]
+    pub(super) fn corners(&self, triangle: [u32; 3]) -> Option<Corners> {
+        let at = triangle.map(|i| i as usize);
+        let clip = at.map(|i| self.clip[i]);
+        let [a, b, c] = at.map(|i| self.world[i]);
+        let face_normal = (b - a).cross(c - a);
+        if face_normal == DVec3::ZERO || !clip.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let normals = (!self.normals.is_empty()).then(|| at.map(|i| self.normals[i]));
+        let colors = (!self.mesh.colors.is_empty()).then(|| at.map(|i| self.mesh.colors[i]));
+        Some(Corners { clip, face_normal, normals, colors })
+    }
+
+    /// The surface of a triangle seen from its back or front.
+    pub(super) fn surface(
+        &self,
+        corners: &Corners,
+        back: bool,
+        viewport: &Viewport,
+        bounds: Rect,
+    ) -> Surface {
+        Surface::new(corners, self.material, self.light, back, viewport, bounds)
+    }
+}
+
+/// m * (p, 1), each row ((x + y) + z) + w.
+fn transform(m: &DMat4, p: DVec3) -> DVec4 {
+    let [x, y, z, w] = m.to_cols_array_2d();
+    let row = |i: usize| ((x[i] * p.x + y[i] * p.y) + z[i] * p.z) + w[i];
+    DVec4::new(row(0), row(1), row(2), row(3))
+}
+
+/// The cofactor matrix of the upper 3x3, as columns. It carries normals up to scale, exists for flat transforms too,
+/// and under a mirroring one turns them over together with the winding, so that both still agree.
+fn cofactors(m: &DMat4) -> [DVec3; 3] {
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(DVec4::truncate);
+    [y.cross(z), z.cross(x), x.cross(y)]
+}
+
+/// A normal in world space, unit length where it has a direction.
+fn turn(cofactors: &[DVec3; 3], n: [f32; 3]) -> [f32; 3] {
+    let [x, y, z] = n.map(f64::from);
+    let v = (cofactors[0] * x + cofactors[1] * y) + cofactors[2] * z;
+    let length = ((v.x * v.x + v.y * v.y) + v.z * v.z).sqrt();
+    let unit = if length > 0.0 { v * (1.0 / length) } else { v };
+    [unit.x, unit.y, unit.z].map(|c| c as f32)
+}

@@ -1,0 +1,176 @@
+//! A primitive: everything needed to cover, and to give depth to, the pixels of one clipped and snapped triangle.
+
+use super::clip::{Polygon, UNITS, doubled_area};
+use super::edge::{Edge, block_mask, edges};
+use super::plane::DepthPlane;
+use crate::fragment::BLOCK;
+
+/// Half-open pixel rectangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Rect {
+    /// Left column.
+    pub x0: u32,
+    /// Top row.
+    pub y0: u32,
+    /// One past the right column.
+    pub x1: u32,
+    /// One past the bottom row.
+    pub y1: u32,
+}
+
+impl Rect {
+    /// The pixels in both; empty (`x0 >= x1` or `y0 >= y1`) if none.
+    #[inline]
+    #[must_use]
+    pub fn intersect(self, other: Self) -> Self {
+        Self {
+            x0: self.x0.max(other.x0),
+            y0: self.y0.max(other.y0),
+            x1: self.x1.min(other.x1),
+            y1: self.y1.min(other.y1),
+        }
+    }
+
+    /// Has no pixels.
+    #[inline]
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.x0 >= self.x1 || self.y0 >= self.y1
+    }
+}
+
+/// A triangle ready to be rasterized. A clipped one stays a single primitive: its coverage is the sum of its fan's
+/// signed coverages, so a pixel gets at most one fragment of it.
+#[derive(Clone, Debug)]
+pub struct Primitive {
+    /// The global triangle index.
+    pub triangle: u32,
+    /// The pixels whose centres its bounding box holds, within the image.
+    pub bounds: Rect,
+    /// Depth.
+    pub plane: DepthPlane,
+    /// What `shade` needs.
+    pub(super) surface: u32,
+    coverage: Coverage,
+}
+
+#[derive(Clone, Debug)]
+enum Coverage {
+    Triangle([Edge; 3]),
+    /// The fan's triangles with their sign relative to the whole.
+    Fan(Box<[([Edge; 3], i8)]>),
+}
+
+/// What becomes of a snapped polygon.
+#[derive(Clone, Debug)]
+pub enum Setup {
+    /// It may cover pixels.
+    Visible(Primitive),
+    /// It lies outside the image, or between pixel centres.
+    Nothing,
+    /// It has no area.
+    Degenerate,
+}
+
+impl Primitive {
+    /// Set up a polygon for an image of the given size.
+    #[must_use]
+    pub fn new(polygon: &Polygon, triangle: u32, image: Rect) -> Setup {
+        if polygon.vertices().is_empty() {
+            return Setup::Nothing;
+        }
+        let area = polygon.doubled_area();
+        let Some(plane) = DepthPlane::new(polygon).filter(|_| area != 0) else {
+            return Setup::Degenerate;
+        };
+        let bounds = bounds(polygon, image);
+        if bounds.is_empty() {
+            return Setup::Nothing;
+        }
+        let coverage = Coverage::new(polygon, area);
+        Setup::Visible(Self { triangle, bounds, plane, surface: 0, coverage })
+    }
+
+    /// Covered pixels of the block whose first pixel is (x, y), both multiples of 8, within `bounds`.
+    #[inline]
+    #[must_use]
+    pub fn mask(&self, x: u32, y: u32) -> u64 {
+        match &self.coverage {
+            Coverage::Triangle(edges) => block_mask(edges, x, y),
+            Coverage::Fan(fan) => fan_mask(fan, x, y),
+        }
+    }
+
+    /// Call `emit(x, y, mask)` for every block with covered pixels in `window`, row by row. Blocks are 8x8 and lie on
+    /// multiples of 8.
+    #[inline]
+    pub fn blocks(&self, window: Rect, mut emit: impl FnMut(u32, u32, u64)) {
+        let area = self.bounds.intersect(window);
+        if area.is_empty() {
+            return;
+        }
+        let align = |v: u32| v / BLOCK * BLOCK;
+        for y in (align(area.y0)..area.y1).step_by(BLOCK as usize) {
+            let rows = rows_mask(y, area);
+            for x in (align(area.x0)..area.x1).step_by(BLOCK as usize) {
+                let mask = self.mask(x, y) & rows & columns_mask(x, area);
+                if mask != 0 {
+                    emit(x, y, mask);
+                }
+            }
+        }
+    }
+}
+
+impl Coverage {
+    fn new(polygon: &Polygon, area: i64) -> Self {
+        if let &[a, b, c] = polygon.vertices() {
+            return Self::Triangle(edges([a, b, c]));
+        }
+        let signed = |t| match doubled_area(t) {
+            0 => None,
+            part => Some((edges(t), (part.signum() * area.signum()) as i8)),
+        };
+        Self::Fan(polygon.fan().filter_map(signed).collect())
+    }
+}
+
+/// Pixels whose signed coverages sum to more than 0.
+fn fan_mask(fan: &[([Edge; 3], i8)], x: u32, y: u32) -> u64 {
+    let mut sums = [0i8; 64];
+    for (edges, sign) in fan {
+        let mask = block_mask(edges, x, y);
+        for (bit, sum) in sums.iter_mut().enumerate() {
+            *sum += sign * ((mask >> bit) & 1) as i8;
+        }
+    }
+    sums.iter().enumerate().fold(0, |mask, (bit, &sum)| mask | (u64::from(sum > 0) << bit))
+}
+
+/// The rows of the block at `y` that lie in the rectangle.
+#[inline]
+fn rows_mask(y: u32, area: Rect) -> u64 {
+    let first = area.y0.saturating_sub(y);
+    let last = (area.y1 - y).min(BLOCK);
+    (u64::MAX << (8 * first)) & (u64::MAX >> (64 - 8 * last))
+}
+
+/// The columns of the block at `x` that lie in the rectangle.
+#[inline]
+fn columns_mask(x: u32, area: Rect) -> u64 {
+    let first = area.x0.saturating_sub(x);
+    let last = (area.x1 - x).min(BLOCK);
+    let row = (0xFFu64 << first) & (0xFF >> (8 - last));
+    row * 0x0101_0101_0101_0101
+}
+
+/// The pixels whose centres lie in the polygon's bounding box.
+fn bounds(polygon: &Polygon, image: Rect) -> Rect {
+    let x = polygon.vertices().iter().map(|v| v.x);
+    let y = polygon.vertices().iter().map(|v| v.y);
+    // The first centre at or right of a coordinate, and one past the last at or left of it.
+    let first = |v: Option<i32>| (v.unwrap_or(0) + UNITS / 2 - 1).div_euclid(UNITS).max(0) as u32;
+    let past = |v: Option<i32>| ((v.unwrap_or(0) + UNITS / 2).div_euclid(UNITS)).max(0) as u32;
+    Rect { x0: first(x.clone().min()), y0: first(y.clone().min()), x1: past(x.max()), y1: past(y.max()) }
+        .intersect(image)
+}

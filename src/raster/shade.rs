@@ -1,0 +1,240 @@
+//! Shading: from a primitive and a pixel to the RGBA8 data word.
+//!
+//! All arithmetic is f32 in the order written, never fused. Perspective-correct weights come from the triangle's
+//! homogeneous vertices *before* clipping (Olano and Greer, "Triangle scan conversion using 2D homogeneous
+//! coordinates", 1997): weight_i(x, y) = (a_i dx + b_i dy) + c_i relative to the primitive's first pixel, clamped at
+//! 0; an attribute is ((w0 v0 + w1 v1) + w2 v2) / ((w0 + w1) + w2). The set-up of a, b, c is f64.
+//!
+//! * `flat`: colour c as it is.
+//! * `lambert`: c * (ambient + (1 - ambient) * max(n.l, 0)).
+//! * `gooch` (Gooch, Gooch, Shirley, Cohen, "A non-photorealistic lighting model", SIGGRAPH 1998, b = 0.55, y = 0.3,
+//!   alpha = beta = 0.25): t * warm + (1 - t) * cool with t = (1 + n.l) / 2, warm = (0.3, 0.3, 0) + 0.25 c, cool =
+//!   (0, 0, 0.55) + 0.25 c.
+//!
+//! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
+//! n.n are (x x' + y y') + z z'. A surface whose colour does not vary over it is shaded once, at set-up.
+
+use glam::{DVec3, DVec4};
+
+use super::clip::Viewport;
+use super::primitive::Rect;
+use crate::num::color;
+use crate::scene::{Light, Material, Shading};
+
+/// Three f32 lanes, added and multiplied in the written order.
+type Rgb = [f32; 3];
+
+/// What lies on a primitive.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// One data word everywhere.
+    Uniform(u32),
+    /// Evaluated per fragment.
+    Varying(Box<Varying>),
+}
+
+/// A surface whose colour changes from pixel to pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Varying {
+    origin: [u32; 2],
+    weights: [[f32; 3]; 3],
+    normals: [Rgb; 3],
+    face_normal: Rgb,
+    colors: [Rgb; 3],
+    alpha: f32,
+    shading: Shading,
+    light: Lighting,
+}
+
+/// The light in f32.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lighting {
+    towards: Rgb,
+    ambient: f32,
+}
+
+impl From<Light> for Lighting {
+    fn from(light: Light) -> Self {
+        Self { towards: light.towards.as_vec3().to_array(), ambient: light.ambient }
+    }
+}
+
+/// The attributes of a triangle's corners, in world space, before shading.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners {
+    /// Clip-space positions.
+    pub clip: [DVec4; 3],
+    /// Towards the viewer's side once `facing` is applied; need not be unit length.
+    pub face_normal: DVec3,
+    /// Vertex normals, if the mesh has them.
+    pub normals: Option<[Rgb; 3]>,
+    /// Vertex colours, if the mesh has them.
+    pub colors: Option<[Rgb; 3]>,
+}
+
+impl Surface {
+    /// Shade at set-up what does not vary. `turned` says that the back face is seen: normals are reversed.
+    #[must_use]
+    pub fn new(
+        corners: &Corners,
+        material: &Material,
+        light: Lighting,
+        turned: bool,
+        viewport: &Viewport,
+        bounds: Rect,
+    ) -> Self {
+        let sign = if turned { -1.0 } else { 1.0 };
+        let face_normal = unit(corners.face_normal).map(|c| c * sign);
+        let tint = |c: Rgb| std::array::from_fn(|i| c[i] * material.color[i]);
+        let lit = material.shading != Shading::Flat;
+        if corners.colors.is_none() && (corners.normals.is_none() || !lit) {
+            let rgb = light.shade(material.shading, material.color, face_normal);
+            return Self::Uniform(color::rgba8(rgb, material.alpha));
+        }
+        Self::Varying(Box::new(Varying {
+            origin: [bounds.x0, bounds.y0],
+            weights: weights(&corners.clip, viewport, bounds),
+            normals: corners.normals.map_or([face_normal; 3], |n| n.map(|n| n.map(|c| c * sign))),
+            face_normal,
+            colors: corners.colors.map_or([material.color; 3], |c| c.map(tint)),
+            alpha: material.alpha,
+            shading: material.shading,
+            light,
+        }))
+    }
+
+    /// The data word at pixel (x, y).
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: u32, y: u32) -> u32 {
+        match self {
+            Self::Uniform(word) => *word,
+            Self::Varying(varying) => varying.at(x, y),
+        }
+    }
+}
+
+impl Varying {
+    fn at(&self, x: u32, y: u32) -> u32 {
+        let dx = x as f32 - self.origin[0] as f32;
+        let dy = y as f32 - self.origin[1] as f32;
+        let w = self.weights.map(|[a, b, c]| ((a * dx + b * dy) + c).max(0.0));
+        let sum = (w[0] + w[1]) + w[2];
+        let w = if sum > 0.0 && sum.is_finite() { w.map(|w| w / sum) } else { [1.0, 0.0, 0.0] };
+        let blend = |v: &[Rgb; 3]| -> Rgb {
+            std::array::from_fn(|i| (w[0] * v[0][i] + w[1] * v[1][i]) + w[2] * v[2][i])
+        };
+        let normal = normalized(blend(&self.normals)).unwrap_or(self.face_normal);
+        color::rgba8(self.light.shade(self.shading, blend(&self.colors), normal), self.alpha)
+    }
+}
+
+impl Lighting {
+    fn shade(self, shading: Shading, c: Rgb, normal: Rgb) -> Rgb {
+        let cosine = dot(normal, self.towards);
+        match shading {
+            Shading::Flat => c,
+            Shading::Lambert => {
+                let diffuse = if cosine > 0.0 { cosine } else { 0.0 };
+                let intensity = self.ambient + (1.0 - self.ambient) * diffuse;
+                c.map(|c| c * intensity)
+            }
+            Shading::Gooch => {
+                let t = (1.0 + cosine) * 0.5;
+                let (warm, cool) = ([0.3, 0.3, 0.0], [0.0, 0.0, 0.55]);
+                std::array::from_fn(|i| {
+                    t * (warm[i] + 0.25 * c[i]) + (1.0 - t) * (cool[i] + 0.25 * c[i])
+                })
+            }
+        }
+    }
+}
+
+fn dot(a: Rgb, b: Rgb) -> f32 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+fn normalized(v: Rgb) -> Option<Rgb> {
+    let square = dot(v, v);
+    (square > 0.0 && square.is_finite()).then(|| {
+        let length = square.sqrt();
+        v.map(|c| c / length)
+    })
+}
+
+/// The unit vector along `v` in f32; (0, 0, 1) if it has no direction.
+fn unit(v: DVec3) -> Rgb {
+    let length = ((v.x * v.x + v.y * v.y) + v.z * v.z).sqrt();
+    if length > 0.0 && length.is_finite() {
+        [v.x / length, v.y / length, v.z / length].map(|c| c as f32)
+    } else {
+        [0.0, 0.0, 1.0]
+    }
+}
+
+/// (a, b, c) of each corner's homogeneous weight, scaled so that all stay within f32's comfort.
+fn weights(clip: &[DVec4; 3], viewport: &Viewport, bounds: Rect) -> [[f32; 3]; 3] {
+    let (width, height) = (f64::from(viewport.width), f64::from(viewport.height));
+    let (x0, y0) = (f64::from(bounds.x0) + 0.5, f64::from(bounds.y0) + 0.5);
+    // Homogeneous pixel coordinates (x w, y w, w), relative to the first pixel's centre.
+    let v = clip.map(|v| {
+        let x = (v.x * 0.5 + v.w * 0.5) * width - x0 * v.w;
+        let y = (v.w * 0.5 - v.y * 0.5) * height - y0 * v.w;
+        DVec3::new(x, y, v.w)
+    });
+    let rows = [cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])];
+    let volume = (v[0].x * rows[0].x + v[0].y * rows[0].y) + v[0].z * rows[0].z;
+    let scale = if volume == 0.0 { 0.0 } else { 1.0 / volume };
+    rows.map(|r| [r.x, r.y, r.z].map(|c| (c * scale) as f32))
+}
+
+fn cross(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEWPORT: Viewport = Viewport { width: 8, height: 8, sub_pixel_bits: 8 };
+
+    fn material(shading: Shading) -> Material {
+        Material { name: String::new(), color: [1.0; 3], alpha: 1.0, shading }
+    }
+
+    /// A colour ramp 0 to 1 from left (near, w = 1) to right (far, w = 4): half the pixels, a fifth of the ramp.
+    #[test]
+    fn colours_are_perspective_correct() {
+        let clip = [(-1.0, 1.0, 1.0), (-1.0, -3.0, 1.0), (4.0, 4.0, 4.0)]
+            .map(|(x, y, w)| DVec4::new(x, y, 0.5 * w, w));
+        let corners = Corners {
+            clip,
+            face_normal: DVec3::Z,
+            normals: None,
+            colors: Some([[0.0; 3], [0.0; 3], [1.0; 3]]),
+        };
+        let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.0 };
+        let bounds = Rect { x0: 0, y0: 0, x1: 8, y1: 8 };
+        let surface =
+            Surface::new(&corners, &material(Shading::Flat), light, false, &VIEWPORT, bounds);
+        for x in 0..8 {
+            let s = (f64::from(x) + 0.5) / 8.0;
+            let expected = (s / 4.0) / ((1.0 - s) + s / 4.0);
+            let got = surface.at(x, 0) & 0xFF;
+            assert_eq!(got, u32::from(color::byte(expected as f32)), "pixel {x}");
+        }
+    }
+
+    #[test]
+    fn lambert_and_gooch_at_known_angles() {
+        let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.2 };
+        let facing = [0.0, 0.0, 1.0];
+        let away = [0.0, 0.0, -1.0];
+        let c = [1.0, 0.5, 0.0];
+        assert_eq!(light.shade(Shading::Lambert, c, facing), [1.0, 0.5, 0.0]);
+        assert_eq!(light.shade(Shading::Lambert, c, away), [0.2, 0.1, 0.0]);
+        assert_eq!(light.shade(Shading::Gooch, c, facing), [0.55, 0.425, 0.0]);
+        assert_eq!(light.shade(Shading::Gooch, c, away), [0.25, 0.125, 0.55]);
+        assert_eq!(light.shade(Shading::Flat, c, away), c);
+    }
+}

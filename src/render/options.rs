@@ -1,0 +1,148 @@
+//! What to draw with, and how; and whether it makes sense.
+
+use crate::error::{Error, Result};
+use crate::fragment::Data;
+use crate::num::depth;
+use crate::raster::CullFace;
+use crate::scheme::Contract;
+
+pub use crate::exec::sim::policy::Kind as Policy;
+
+/// What to draw with, and how. The defaults are the command line's.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// A method's name in the catalogue (`scheme::catalogue`), with `@variant` if any.
+    pub method: String,
+    /// Fragments kept per pixel, at least 1; `None` is the method's own default (8 for k-buffers, all for `exact` and
+    /// A-buffers).
+    pub k: Option<u32>,
+    /// Who runs the invocations.
+    pub exec: Exec,
+    /// Worker threads, at most [`MAX_THREADS`]; 0 means one per core.
+    pub threads: usize,
+    /// Tile edge in pixels: 16, 32 or 64.
+    pub tile: u32,
+    /// Sub-pixel bits that vertices are snapped to: 8 or 4.
+    pub sub_pixel_bits: u32,
+    /// What is stored for a depth; `None` is the method's own.
+    pub depth_format: Option<depth::Format>,
+    /// What is stored beside a depth.
+    pub data: Data,
+    /// Which faces are not drawn.
+    pub cull_face: CullFace,
+    /// Count memory operations.
+    pub counters: bool,
+    /// Bytes of scheme memory above which a run is refused before anything is allocated.
+    pub max_memory: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: "kplus-array".to_owned(),
+            k: None,
+            exec: Exec::Tile,
+            threads: 0,
+            tile: 64,
+            sub_pixel_bits: 8,
+            depth_format: None,
+            data: Data::Color,
+            cull_face: CullFace::None,
+            counters: true,
+            max_memory: 8 << 30,
+        }
+    }
+}
+
+/// Who runs the invocations of a pass.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Exec {
+    /// Tiles in parallel; each owns its pixels' memory.
+    Tile,
+    /// Rasterizer threads feed worker threads that contend on shared atomics.
+    Threads,
+    /// One thread steps resident invocations, one memory operation at a time.
+    Sim(Sim),
+}
+
+impl Exec {
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Tile => "tile",
+            Self::Threads => "threads",
+            Self::Sim(_) => "sim",
+        }
+    }
+}
+
+/// How the simulated device schedules.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sim {
+    /// Who goes next.
+    pub policy: Policy,
+    /// Seed of `Policy::Random`.
+    pub seed: u64,
+    /// Invocations in flight, 1 to [`MAX_RESIDENT`].
+    pub resident: usize,
+    /// Record the schedule and return it.
+    pub record: bool,
+}
+
+impl Default for Sim {
+    fn default() -> Self {
+        Self { policy: Policy::Random, seed: 0, resident: 4_096, record: false }
+    }
+}
+
+/// The most worker threads.
+pub const MAX_THREADS: usize = 1_024;
+
+/// The most resident invocations.
+pub const MAX_RESIDENT: usize = 1 << 20;
+
+impl Options {
+    /// Check every value against its range, and k against the method.
+    ///
+    /// # Errors
+    /// The first that is out of range, by the name of its option.
+    pub fn check(&self, contract: &Contract) -> Result<()> {
+        let wrong = |option: &str, problem: String| Err(Error::new(option, problem));
+        match self.k {
+            Some(0) => return wrong("-k", "is 0, but a pixel keeps at least 1 fragment".into()),
+            Some(k) if k > contract.max_k => {
+                let (name, most) = (contract.name, contract.max_k);
+                return wrong("-k", format!("is {k}, but {name} keeps at most {most} fragments"));
+            }
+            _ => {}
+        }
+        if ![16, 32, 64].contains(&self.tile) {
+            return wrong("--tile", format!("is {}, but must be 16, 32 or 64 pixels", self.tile));
+        }
+        if ![4, 8].contains(&self.sub_pixel_bits) {
+            let bits = self.sub_pixel_bits;
+            return wrong("--sub-pixel-bits", format!("is {bits}, but must be 8 or 4"));
+        }
+        if self.threads > MAX_THREADS {
+            let n = self.threads;
+            return wrong("--threads", format!("is {n}, but at most {MAX_THREADS} are possible"));
+        }
+        if let Exec::Sim(sim) = &self.exec
+            && !(1..=MAX_RESIDENT).contains(&sim.resident)
+        {
+            let n = sim.resident;
+            return wrong("--resident", format!("is {n}, but must be 1 to {MAX_RESIDENT}"));
+        }
+        Ok(())
+    }
+
+    /// Worker threads, at least 1.
+    #[must_use]
+    pub fn worker_threads(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The accounting of a frame, by the names that `--json` uses.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// The accounting of a frame: the fields of `render --json`, by those names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// The method's name in the catalogue.
+    pub method: String,
+    /// The scene's name.
+    pub scene: String,
+    /// `tile`, `threads`, `sim`, or `sequential` for the oracle.
+    pub exec: String,
+    /// Worker threads.
+    pub threads: usize,
+    /// Fragments kept per pixel; `None` is all.
+    pub k: Option<u32>,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Triangles in the scene.
+    pub triangles: u64,
+    /// Triangles of zero area, before or after snapping.
+    pub degenerate: u64,
+    /// Fragments of one geometry pass.
+    pub generated: u64,
+    /// List entries beyond the number of times they were generated.
+    pub duplicated: u64,
+    /// List entries that were never generated.
+    pub torn: u64,
+    /// List entries.
+    pub kept: u64,
+    /// Fragments merged into others.
+    pub merged: u64,
+    /// Fragments rejected before they were stored.
+    pub culled: u64,
+    /// Fragments stored and pushed out later.
+    pub evicted: u64,
+    /// Fragments dropped, by reason.
+    pub dropped: BTreeMap<String, u64>,
+    /// The names of the fields that no schedule can change.
+    pub deterministic: Vec<String>,
+    /// The largest number of fragments at a pixel.
+    pub max_depth_complexity: u32,
+    /// Bytes of the method's storage for this image, by its own declaration.
+    pub bytes: u64,
+    /// Geometry passes.
+    pub passes: u32,
+    /// SHA-256 of the picture.
+    pub image_hash: String,
+    /// SHA-256 of the resolved lists.
+    pub fragments_hash: String,
+    /// Memory operations by kind.
+    pub counters: BTreeMap<String, u64>,
+    /// Seconds by phase.
+    pub seconds: BTreeMap<String, f64>,
+    /// What was tolerated.
+    pub warnings: Vec<String>,
+    /// What the method promised and did not keep.
+    pub violations: Vec<String>,
+}

@@ -1,0 +1,78 @@
+//! Axis-aligned boxes around what is drawn.
+
+use glam::DVec3;
+
+use super::Object;
+
+/// An axis-aligned box in world space; empty while `min` is above `max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The smallest coordinates.
+    pub min: DVec3,
+    /// The largest coordinates.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// No point at all.
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+
+    /// Around the corners of all triangles of `objects`; vertices that no triangle uses do not count.
+    #[must_use]
+    pub fn of(objects: &[Object]) -> Self {
+        let points = objects.iter().flat_map(|object| {
+            object.mesh.triangles.iter().flatten().map(|&vertex| {
+                let point = object.mesh.positions[vertex as usize].map(f64::from);
+                object.transform.transform_point3(DVec3::from(point))
+            })
+        });
+        points.fold(Self::EMPTY, Self::with)
+    }
+
+    /// This box, grown to hold `point`. A point that is not a number makes the box infinite.
+    #[must_use]
+    pub fn with(self, point: DVec3) -> Self {
+        if point.is_nan() {
+            return Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+        }
+        Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+
+    /// The middle.
+    #[must_use]
+    pub fn center(self) -> DVec3 {
+        self.min * 0.5 + self.max * 0.5
+    }
+
+    /// The length of the diagonal.
+    #[must_use]
+    pub fn diagonal(self) -> f64 {
+        (self.max - self.min).length()
+    }
+
+    /// The eight corners.
+    #[must_use]
+    pub fn corners(self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick =
+                |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
+    /// This box, or one around its middle where it is empty or too small for its distance from the origin to
+    /// be told from a point.
+    #[must_use]
+    pub(super) fn thickened(self) -> Self {
+        if self.min.x > self.max.x {
+            return Self { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
+        }
+        let center = self.center();
+        let reach = center.abs().max_element();
+        if self.diagonal() > reach * 1e-9 {
+            return self;
+        }
+        let half = DVec3::splat(if reach > 0.0 { reach * 1e-3 } else { 0.5 });
+        Self { min: center - half, max: center + half }
+    }
+}

@@ -1,0 +1,332 @@
+//! Scene files: TOML with a camera, a light, materials, objects and `screen` triangles. Every key is known or an
+//! error. [`parse`] looks at nothing but the text; [`Description::build`] then asks its caller for the models.
+
+use std::collections::BTreeMap;
+
+use glam::{DMat4, DVec3, DVec4};
+use serde::Deserialize;
+
+use super::camera::{AMBIENT, FOV_Y};
+use super::load::{DEFAULT_BACKGROUND, Draft, Overrides, image_size};
+use super::model::{MAX_TRIANGLES, Unplaced};
+use super::{
+    Bounds, Camera, Light, Material, Model, Projection, Scene, ScreenTriangle, Shading, check,
+    procedural,
+};
+use crate::error::{Error, Result};
+
+/// A scene file that is right as far as its text goes.
+#[derive(Clone, Debug)]
+pub struct Description {
+    place: String,
+    table: Table,
+}
+
+/// Where an object's model comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// A mesh file, relative to the scene file.
+    File(&'a str),
+    /// A generator.
+    Procedural {
+        /// Its name.
+        name: &'a str,
+        /// What is set about it.
+        keys: &'a BTreeMap<String, toml::Value>,
+        /// The image's width and height in pixels.
+        size: [u32; 2],
+    },
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    size: Option<[u32; 2]>,
+    background: Option<[f32; 3]>,
+    camera: Option<View>,
+    light: Option<LightTable>,
+    #[serde(default)]
+    material: Vec<MaterialTable>,
+    #[serde(default)]
+    object: Vec<ObjectTable>,
+    #[serde(default)]
+    screen: Vec<ScreenTable>,
+}
+
+/// A camera as written: planes may be left out.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct View {
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: Option<[f64; 3]>,
+    fov_y: Option<f64>,
+    ortho_height: Option<f64>,
+    near: Option<f64>,
+    far: Option<f64>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightTable {
+    towards: Option<[f64; 3]>,
+    ambient: Option<f32>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialTable {
+    name: String,
+    color: [f32; 3],
+    alpha: Option<f32>,
+    #[serde(default)]
+    shading: Shading,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct ObjectTable {
+    file: Option<String>,
+    procedural: Option<String>,
+    material: Option<String>,
+    translate: Option<[f64; 3]>,
+    rotate: Option<[f64; 4]>,
+    scale: Option<f64>,
+    /// The generator's own; a file has none.
+    #[serde(flatten)]
+    keys: BTreeMap<String, toml::Value>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScreenTable {
+    points: [[f64; 3]; 3],
+    color: [f32; 4],
+}
+
+/// Reads a scene file. `place` names it in messages.
+///
+/// # Errors
+/// Names the line where TOML knows it, else the table and the field.
+pub fn parse(bytes: &[u8], place: &str) -> Result<Description> {
+    let wrong = |problem: String| Error::new(place, problem);
+    let text = std::str::from_utf8(bytes)
+        .map_err(|error| wrong(format!("byte {}: is not UTF-8 text", error.valid_up_to())))?;
+    let table: Table = toml::from_str(text).map_err(|error| {
+        let start = error.span().map_or(0, |span| span.start).min(bytes.len());
+        let line = bytes[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        wrong(format!("line {line}: {}", error.message().replace('\n', "; ")))
+    })?;
+    let description = Description { place: place.to_owned(), table };
+    description.check()?;
+    Ok(description)
+}
+
+impl Description {
+    /// The scene, with the models that `model` gives for its objects.
+    ///
+    /// # Errors
+    /// `model`'s errors, and everything that makes a scene wrong as a whole.
+    pub fn build(
+        &self,
+        overrides: &Overrides,
+        model: &mut dyn FnMut(Source<'_>) -> Result<Model>,
+    ) -> Result<Scene> {
+        let size = image_size(&self.place, self.table.size, overrides)?;
+        let mut whole = Model::default();
+        whole.materials.extend(self.table.material.iter().map(MaterialTable::material));
+        for (i, object) in self.table.object.iter().enumerate() {
+            let transform =
+                object.transform().map_err(|problem| self.wrong("object", i, &problem))?;
+            let material = object.material.as_deref().and_then(|name| self.material(name));
+            whole.append(model(object.source(size))?, transform, material);
+            if whole.triangles() > MAX_TRIANGLES {
+                return Err(self.wrong(
+                    "object",
+                    i,
+                    &format!("more than {MAX_TRIANGLES} triangles"),
+                ));
+            }
+        }
+        whole.screen.extend(self.table.screen.iter().map(ScreenTable::triangle));
+        let view = self.table.camera.clone();
+        let background = self.table.background.unwrap_or(DEFAULT_BACKGROUND);
+        let mut draft =
+            Draft { size: Some(size), background, view, ..Draft::new(self.place.clone(), whole) };
+        draft.light = self.table.light.as_ref().map(|light| light.light(&draft));
+        draft.finish(overrides)
+    }
+
+    fn wrong(&self, table: &str, index: usize, problem: &str) -> Error {
+        Error::new(&self.place, format!("{table} {index}: {problem}"))
+    }
+
+    fn material(&self, name: &str) -> Option<usize> {
+        self.table.material.iter().position(|material| material.name == name)
+    }
+
+    /// All that can be said without the models.
+    fn check(&self) -> Result<()> {
+        let (place, table) = (self.place.as_str(), &self.table);
+        check::size(place, table.size.unwrap_or([1, 1]))?;
+        check::color(place, "background", table.background.unwrap_or_default())?;
+        if let Some(problem) = table.camera.as_ref().and_then(View::problem) {
+            return Err(Error::new(place, problem));
+        }
+        for (i, material) in table.material.iter().enumerate() {
+            if self.material(&material.name) != Some(i) {
+                return Err(self.wrong(
+                    "material",
+                    i,
+                    &format!("name: {:?} is taken", material.name),
+                ));
+            }
+        }
+        for (i, object) in table.object.iter().enumerate() {
+            object.check().map_err(|problem| self.wrong("object", i, &problem))?;
+            let name = object.material.as_deref();
+            if let Some(name) = name.filter(|name| self.material(name).is_none()) {
+                return Err(self.wrong("object", i, &format!("material: there is no {name:?}")));
+            }
+        }
+        let mut screen = table.screen.iter().enumerate();
+        screen.try_for_each(|(i, triangle)| check::screen(place, i, &triangle.triangle()))
+    }
+}
+
+impl View {
+    fn problem(&self) -> Option<&'static str> {
+        let both = self.fov_y.is_some() && self.ortho_height.is_some();
+        both.then_some("camera.fov_y: must not be given together with camera.ortho_height")
+    }
+
+    /// The camera that is written, with planes around `bounds` where they are left out, or one that frames
+    /// `bounds`.
+    pub(super) fn camera(view: Option<&Self>, bounds: Bounds, size: [u32; 2]) -> Camera {
+        let Some(view) = view else { return Camera::frame(bounds, size) };
+        let projection = match view.ortho_height {
+            Some(height) => Projection::Orthographic { height },
+            None => Projection::Perspective { fov_y: view.fov_y.unwrap_or(FOV_Y) },
+        };
+        let mut camera = Camera {
+            eye: view.eye.into(),
+            target: view.target.into(),
+            up: view.up.map_or(DVec3::Y, DVec3::from),
+            projection,
+            near: 0.0,
+            far: 0.0,
+        };
+        let (near, far) = camera.planes_around(bounds);
+        camera.near = view.near.unwrap_or(near);
+        camera.far = view.far.unwrap_or(far);
+        camera
+    }
+}
+
+impl LightTable {
+    fn light(&self, draft: &Draft) -> Light {
+        let camera = || {
+            let bounds = Bounds::of(&draft.model.objects);
+            View::camera(draft.view.as_ref(), bounds, draft.size.unwrap_or([1, 1]))
+        };
+        let towards = self.towards.map(|towards| DVec3::from(towards).normalize_or_zero());
+        Light {
+            towards: towards.unwrap_or_else(|| camera().default_light().towards),
+            ambient: self.ambient.unwrap_or(AMBIENT),
+        }
+    }
+}
+
+impl MaterialTable {
+    fn material(&self) -> Material {
+        let alpha = self.alpha.unwrap_or(1.0);
+        Material { shading: self.shading, ..Material::new(&self.name, self.color, alpha) }
+    }
+}
+
+impl ObjectTable {
+    /// The file or generator; [`ObjectTable::check`] has seen that there is one.
+    fn source(&self, size: [u32; 2]) -> Source<'_> {
+        match (&self.file, &self.procedural) {
+            (Some(file), _) => Source::File(file),
+            (None, name) => Source::Procedural {
+                name: name.as_deref().unwrap_or_default(),
+                keys: &self.keys,
+                size,
+            },
+        }
+    }
+
+    fn check(&self) -> Unplaced<()> {
+        match (&self.file, &self.procedural) {
+            (Some(_), None) => match self.keys.keys().next() {
+                Some(key) => return Err(format!("{key}: is not a key of an object with a file")),
+                None => {}
+            },
+            (None, Some(name)) => self.check_generator(name)?,
+            _ => return Err("file: needs either file or procedural".to_owned()),
+        }
+        self.transform().map(drop)
+    }
+
+    fn check_generator(&self, name: &str) -> Unplaced<()> {
+        let builtin = procedural::find(name).map_err(|error| format!("procedural: {error}"))?;
+        let placed = self.translate.is_some() || self.rotate.is_some() || self.scale.is_some();
+        if builtin.in_pixels && (placed || self.material.is_some()) {
+            return Err(format!(
+                "procedural: {name} is drawn in pixels; it takes no translate, rotate, scale or material"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Scale, then rotation, then translation.
+    fn transform(&self) -> Unplaced<DMat4> {
+        let scale = self.scale.unwrap_or(1.0);
+        if !scale.is_finite() || scale == 0.0 {
+            return Err(format!("scale: {scale} must be finite and not 0"));
+        }
+        let translate = self.translate.map_or(DVec3::ZERO, DVec3::from);
+        if !translate.is_finite() {
+            return Err("translate: must be finite".to_owned());
+        }
+        let rotation = match self.rotate {
+            Some([x, y, z, degrees]) => rotation(DVec3::new(x, y, z), degrees)?,
+            None => DMat4::IDENTITY,
+        };
+        Ok(DMat4::from_translation(translate) * rotation * DMat4::from_scale(DVec3::splat(scale)))
+    }
+}
+
+impl ScreenTable {
+    fn triangle(&self) -> ScreenTriangle {
+        ScreenTriangle { points: self.points, color: self.color }
+    }
+}
+
+/// A rotation about an axis, anticlockwise seen against it (Rodrigues' formula).
+fn rotation(axis: DVec3, degrees: f64) -> Unplaced<DMat4> {
+    let axis = axis.try_normalize().filter(|axis| axis.is_finite());
+    let axis = axis.ok_or("rotate: the axis must be finite and not zero")?;
+    if !degrees.is_finite() {
+        return Err("rotate: the angle must be finite".to_owned());
+    }
+    let (s, c) = libm::sincos(degrees * (std::f64::consts::PI / 180.0));
+    let turn = |v: DVec3| {
+        let turned = v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
+        turned.extend(0.0)
+    };
+    Ok(DMat4::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z), DVec4::W))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_follow_the_right_hand() {
+        let quarter = rotation(DVec3::Z * 5.0, 90.0).unwrap();
+        assert!((quarter.transform_point3(DVec3::X) - DVec3::Y).length() < 1e-15);
+        assert!(rotation(DVec3::ZERO, 90.0).is_err());
+        assert!(rotation(DVec3::X, f64::NAN).is_err());
+    }
+}

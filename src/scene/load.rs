@@ -1,0 +1,191 @@
+//! From what a user names to a checked scene.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::file::{self, Source, View};
+use super::model::{GREY, Model, read_file};
+use super::procedural::{self, Builtin};
+use super::{Bounds, Light, Material, Scene, Shading, check, gltf, obj, ply};
+use crate::error::{Error, Result};
+
+/// Width and height of images where nobody says, in pixels.
+pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
+
+/// The background where a scene does not say: white.
+pub const DEFAULT_BACKGROUND: [f32; 3] = [1.0; 3];
+
+/// The opacity of a mesh file's surfaces that would be opaque.
+pub const MESH_ALPHA: f32 = 0.5;
+
+/// What the command line says about a scene, over what its file says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Width and height of the image in pixels.
+    pub size: Option<[u32; 2]>,
+    /// The opacity of all materials and screen triangles, 0..1.
+    pub alpha: Option<f32>,
+    /// How light acts on all materials.
+    pub shading: Option<Shading>,
+}
+
+/// Loads a scene: a mesh file (`.obj`, `.gltf`, `.glb`, `.ply`), a scene file (`.toml`), or a built-in scene's
+/// name, optionally with keys as in `layers:count=64,alpha=0.25`.
+///
+/// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none
+/// given) become half transparent ([`MESH_ALPHA`]), since opaque surfaces are not what this program is about;
+/// an opacity below 1 is kept. In a scene file, a mesh file's own materials count as they are.
+///
+/// # Errors
+/// Names the file, option or scene, the field, and what would be right.
+pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
+    let path = Path::new(source);
+    match extension(path).as_str() {
+        "toml" => scene_file(path, overrides),
+        _ if is_mesh(path) => {
+            let mut model = mesh_file(path)?;
+            let opaque = model.materials.iter_mut().filter(|material| material.alpha >= 1.0);
+            opaque.for_each(|material| material.alpha = MESH_ALPHA);
+            Draft::new(file_name(path), model).finish(overrides)
+        }
+        _ => built_in(source, overrides),
+    }
+}
+
+/// The catalogue of procedural scenes.
+#[must_use]
+pub fn builtin() -> &'static [Builtin] {
+    procedural::builtin()
+}
+
+fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
+    let (name, keys) = source.split_once(':').unwrap_or((source, ""));
+    if procedural::find(name).is_err() && Path::new(source).exists() {
+        let problem = "extension: must be .obj, .gltf, .glb, .ply or .toml";
+        return Err(Error::new(source, problem));
+    }
+    let size = image_size(name, None, overrides)?;
+    let model = procedural::generate(name, &procedural::parse_keys(name, keys)?, size)?;
+    Draft::new(name.to_owned(), model).finish(overrides)
+}
+
+fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
+    let place = path.display().to_string();
+    let description = file::parse(&read_file(path)?, &place)?;
+    let mut meshes: BTreeMap<PathBuf, Model> = BTreeMap::new();
+    let mut scene = description.build(overrides, &mut |source| match source {
+        Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
+        Source::File(name) => {
+            let path = beside(path, name);
+            if let Some(model) = meshes.get(&path) {
+                return Ok(Model { warnings: Vec::new(), ..model.clone() });
+            }
+            let model = mesh_file(&path)?;
+            meshes.insert(path, model.clone());
+            Ok(model)
+        }
+    })?;
+    scene.name = file_name(path);
+    Ok(scene)
+}
+
+/// Reads a mesh file of any kind, with its materials as they are.
+fn mesh_file(path: &Path) -> Result<Model> {
+    let place = path.display().to_string();
+    if !is_mesh(path) {
+        return Err(Error::new(place, "file: must end in .obj, .gltf, .glb or .ply"));
+    }
+    let bytes = read_file(path)?;
+    match extension(path).as_str() {
+        "obj" => obj::parse(&bytes, &place, &mut |name| read_file(&beside(path, name)).ok()),
+        "ply" => ply::parse(&bytes, &place),
+        _ => gltf::parse(&bytes, &place, &mut |name| read_file(&beside(path, name))),
+    }
+}
+
+fn is_mesh(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "obj" | "gltf" | "glb" | "ply")
+}
+
+/// In lower case.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The path of a file named in another file.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// The image's size: the option's, or else the file's, or else the default; checked.
+pub(super) fn image_size(
+    place: &str,
+    own: Option<[u32; 2]>,
+    overrides: &Overrides,
+) -> Result<[u32; 2]> {
+    if let Some(size) = overrides.size {
+        check::size("--size", size)?;
+    }
+    let size = overrides.size.or(own).unwrap_or(DEFAULT_SIZE);
+    check::size(place, size)?;
+    Ok(size)
+}
+
+/// A scene before its camera, light and overrides.
+pub(super) struct Draft {
+    pub(super) name: String,
+    pub(super) size: Option<[u32; 2]>,
+    pub(super) background: [f32; 3],
+    pub(super) view: Option<View>,
+    pub(super) light: Option<Light>,
+    pub(super) model: Model,
+}
+
+impl Draft {
+    pub(super) fn new(name: String, model: Model) -> Self {
+        let (size, background) = (None, DEFAULT_BACKGROUND);
+        Self { name, size, background, view: None, light: None, model }
+    }
+
+    /// Fills what is missing, applies the overrides and checks the whole.
+    pub(super) fn finish(self, overrides: &Overrides) -> Result<Scene> {
+        let size = image_size(&self.name, self.size, overrides)?;
+        let bounds = Bounds::of(&self.model.objects);
+        let camera = View::camera(self.view.as_ref(), bounds, size);
+        let mut scene = Scene {
+            name: self.name,
+            size,
+            background: self.background,
+            light: self.light.unwrap_or_else(|| camera.default_light()),
+            camera,
+            materials: self.model.materials,
+            objects: self.model.objects,
+            screen: self.model.screen,
+            warnings: self.model.warnings,
+        };
+        if scene.materials.is_empty() {
+            scene.materials.push(Material::new("default", GREY, 1.0));
+        }
+        overrides.apply(&mut scene)?;
+        check::scene(&scene)?;
+        Ok(scene)
+    }
+}
+
+impl Overrides {
+    fn apply(&self, scene: &mut Scene) -> Result<()> {
+        if let Some(alpha) = self.alpha {
+            check::fraction("--alpha", "alpha", alpha)?;
+            scene.materials.iter_mut().for_each(|material| material.alpha = alpha);
+            scene.screen.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
+        }
+        if let Some(shading) = self.shading {
+            scene.materials.iter_mut().for_each(|material| material.shading = shading);
+        }
+        Ok(())
+    }
+}

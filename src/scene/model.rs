@@ -1,0 +1,96 @@
+//! What a file or a generator contributes to a scene, before there is a camera.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DMat4;
+
+use super::{Material, Mesh, Object, ScreenTriangle, Shading};
+use crate::error::{Error, Result};
+
+/// A result whose error says what is wrong, but not yet where.
+pub(super) type Unplaced<T> = std::result::Result<T, String>;
+
+/// The most triangles a scene may have.
+pub const MAX_TRIANGLES: usize = 1 << 26;
+
+/// The largest file that is read, in bytes.
+pub const MAX_FILE: u64 = 1 << 30;
+
+/// The colour of a surface whose file gives none.
+pub const GREY: [f32; 3] = [0.8; 3];
+
+/// Materials, placed meshes and screen triangles; objects name materials of the same model.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Objects name them by index.
+    pub materials: Vec<Material>,
+    /// Placed meshes, in drawing order.
+    pub objects: Vec<Object>,
+    /// Triangles in pixels.
+    pub screen: Vec<ScreenTriangle>,
+    /// What was tolerated, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Model {
+    /// Adds a material and returns its index.
+    pub fn add_material(&mut self, material: Material) -> usize {
+        self.materials.push(material);
+        self.materials.len() - 1
+    }
+
+    /// Adds a mesh where it is. A mesh without triangles is left out.
+    pub fn add_mesh(&mut self, mesh: Mesh, material: usize) {
+        self.add_placed(Arc::new(mesh), DMat4::IDENTITY, material);
+    }
+
+    /// Adds a shared mesh at a place. A mesh without triangles is left out.
+    pub fn add_placed(&mut self, mesh: Arc<Mesh>, transform: DMat4, material: usize) {
+        if !mesh.triangles.is_empty() {
+            self.objects.push(Object { mesh, transform, material });
+        }
+    }
+
+    /// Adds another model, moved by `transform`, all in `material` if one is given.
+    pub fn append(&mut self, other: Self, transform: DMat4, material: Option<usize>) {
+        let offset = self.materials.len();
+        self.materials.extend(other.materials);
+        self.objects.extend(other.objects.into_iter().map(|object| Object {
+            transform: transform * object.transform,
+            material: material.unwrap_or(offset + object.material),
+            mesh: object.mesh,
+        }));
+        self.screen.extend(other.screen);
+        self.warnings.extend(other.warnings);
+    }
+
+    /// How many triangles there are, placed ones and screen triangles together.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        let placed = self.objects.iter().map(|object| object.mesh.triangles.len());
+        placed.fold(self.screen.len(), usize::saturating_add)
+    }
+}
+
+impl Material {
+    /// Lit (Lambert) surface of a linear colour and an opacity, each 0..1.
+    #[must_use]
+    pub fn new(name: impl Into<String>, color: [f32; 3], alpha: f32) -> Self {
+        Self { name: name.into(), color, alpha, shading: Shading::Lambert }
+    }
+}
+
+/// A whole file, which must be a regular one of at most [`MAX_FILE`] bytes.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>> {
+    let place = path.display().to_string();
+    let wrong = |error: std::io::Error| Error::new(&place, format!("cannot be read: {error}"));
+    let meta = std::fs::metadata(path).map_err(wrong)?;
+    if !meta.is_file() {
+        return Err(Error::new(place, "must be a file"));
+    }
+    if meta.len() > MAX_FILE {
+        return Err(Error::new(place, format!("size: must be at most {MAX_FILE} bytes")));
+    }
+    std::fs::read(path).map_err(wrong)
+}

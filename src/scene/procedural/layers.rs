@@ -1,0 +1,37 @@
+//! Equal layers over the whole image, whose blended colour has a closed form: with colour c, opacity a and
+//! background b, `count` layers make c (1 - (1 - a)^count) + b (1 - a)^count, in whatever order they are drawn.
+//! (With 8-bit data words, a is the opacity's byte over 255.)
+
+use super::super::Model;
+use super::shape::{layer_depth, rectangle};
+use super::{Builtin, Key, Keys, Range};
+use crate::error::Result;
+use crate::num::random::Random;
+
+pub(super) const BUILTIN: Builtin = Builtin {
+    name: "layers",
+    about: "equal layers over the whole image: c (1 - (1 - a)^count) + background (1 - a)^count",
+    in_pixels: true,
+    keys: &[
+        Key { name: "count", default: "16", range: Range::Count(1, 65_536), about: "layers" },
+        Key::alpha("0.25"),
+        Key {
+            name: "color",
+            default: "0.2/0.6/0.9",
+            range: Range::Color,
+            about: "linear colour, 0..1; as r/g/b on the command line",
+        },
+        Key::SEED,
+    ],
+    generate,
+};
+
+fn generate(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model> {
+    let count = keys.count("count")?;
+    let ([r, g, b], alpha) = (keys.color("color")?, keys.alpha()?);
+    let [width, height] = size.map(f64::from);
+    let mut order: Vec<u32> = (0..count).collect();
+    Random::new(keys.seed()?, 1).shuffle(&mut order);
+    let layer = |i| rectangle([0.0, 0.0, width, height], layer_depth(i, count), [r, g, b, alpha]);
+    Ok(Model { screen: order.into_iter().flat_map(layer).collect(), ..Model::default() })
+}

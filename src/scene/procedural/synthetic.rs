@@ -1,0 +1,136 @@
+//! The papers' artificial scene: every covered pixel gets exactly `n` fragments. Layers are rectangles on whole
+//! pixels, parallel to the screen, so that none misses or repeats a pixel; layer i of n is at depth
+//! (i + 1/2) / n. Triangles inside a tessellated layer share edges, which the top-left rule gives to one side.
+//! (Vasilakis and Fudos, "k+-buffer", I3D 2014, section 4.1.)
+
+use super::super::{Model, ScreenTriangle};
+use super::shape::{layer_depth, random_color, rectangle};
+use super::{Builtin, Key, Keys, Range};
+use crate::error::Result;
+use crate::num::random::Random;
+
+/// The most rectangles over all layers.
+const MAX_QUADS: u64 = 1 << 21;
+
+pub(super) const BUILTIN: Builtin = Builtin {
+    name: "synthetic",
+    about: "n fragments on each pixel of a centred rectangle, in random order, as in the papers",
+    in_pixels: true,
+    keys: &[
+        Key {
+            name: "n",
+            default: "32",
+            range: Range::Count(1, 4096),
+            about: "fragments per pixel",
+        },
+        Key {
+            name: "density",
+            default: "50",
+            range: Range::Real(0.0001, 100.0),
+            about: "covered pixels, % of the image, as near as whole rows and columns allow",
+        },
+        Key {
+            name: "tessellation",
+            default: "1",
+            range: Range::Count(1, 64),
+            about: "rectangles of a layer along each side",
+        },
+        Key {
+            name: "order",
+            default: "random",
+            range: Range::Choice(&["random", "front-to-back", "back-to-front"]),
+            about: "in which layers are drawn",
+        },
+        Key::alpha("0.5"),
+        Key::SEED,
+    ],
+    generate,
+};
+
+fn generate(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model> {
+    let (n, cells) = (keys.count("n")?, keys.count("tessellation")?);
+    if u64::from(n) * u64::from(cells * cells) > MAX_QUADS {
+        return Err(keys.wrong("tessellation", &format!("n x tessellation^2 exceeds {MAX_QUADS}")));
+    }
+    let edges = covered(size, keys.real("density")?);
+    let alpha = keys.alpha()?;
+    let seed = keys.seed()?;
+    let mut colors = Random::new(seed, 1);
+    let layers: Vec<_> = (0..n).map(|i| (layer_depth(i, n), random_color(&mut colors))).collect();
+    let screen = order(keys.choice("order")?, seed, layers)
+        .into_iter()
+        .flat_map(|(z, [r, g, b])| layer(edges, cells, z, [r, g, b, alpha]))
+        .collect();
+    Ok(Model { screen, ..Model::default() })
+}
+
+/// The centred rectangle of `density` percent of the pixels: left, top, right, bottom.
+fn covered(size: [u32; 2], density: f64) -> [u32; 4] {
+    let share = density / 100.0;
+    let [width, height] = size.map(f64::from);
+    let columns = libm::round(width * libm::sqrt(share)).clamp(1.0, width);
+    let rows = libm::round(width * height * share / columns).clamp(1.0, height);
+    let (columns, rows) = (columns as u32, rows as u32);
+    let (left, top) = ((size[0] - columns) / 2, (size[1] - rows) / 2);
+    [left, top, left + columns, top + rows]
+}
+
+fn order<T>(order: &str, seed: u64, mut layers: Vec<T>) -> Vec<T> {
+    match order {
+        "back-to-front" => layers.reverse(),
+        "front-to-back" => {}
+        _ => Random::new(seed, 2).shuffle(&mut layers),
+    }
+    layers
+}
+
+/// One layer, row by row.
+fn layer(
+    [left, top, right, bottom]: [u32; 4],
+    cells: u32,
+    z: f64,
+    color: [f32; 4],
+) -> impl Iterator<Item = ScreenTriangle> {
+    let line = move |from: u32, to: u32, i: u32| {
+        f64::from(from) + f64::from(to - from) * f64::from(i) / f64::from(cells)
+    };
+    (0..cells * cells).flat_map(move |cell| {
+        let (x, y) = (cell % cells, cell / cells);
+        let edges = [
+            line(left, right, x),
+            line(top, bottom, y),
+            line(left, right, x + 1),
+            line(top, bottom, y + 1),
+        ];
+        rectangle(edges, z, color)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rectangle_covers_its_share_of_the_pixels() {
+        for (size, density) in [([1024, 1024], 50.0), ([854, 480], 25.0), ([854, 480], 75.0)] {
+            let [left, top, right, bottom] = covered(size, density);
+            let pixels = f64::from((right - left) * (bottom - top));
+            let share = 100.0 * pixels / f64::from(size[0] * size[1]);
+            assert!((share - density).abs() < 0.1, "{size:?} {density}: {share}");
+            assert!(size[0] - right - left <= 1 && size[1] - bottom - top <= 1, "centred");
+        }
+        assert_eq!(covered([640, 480], 100.0), [0, 0, 640, 480]);
+        assert_eq!(covered([3, 5], 0.0001), [1, 2, 2, 3], "never less than a pixel");
+    }
+
+    #[test]
+    fn cells_share_their_corners_and_end_on_whole_pixels() {
+        let triangles: Vec<_> = layer([3, 5, 10, 9], 4, 0.5, [1.0; 4]).collect();
+        assert_eq!(triangles.len(), 32);
+        let xs = triangles.iter().flat_map(|t| t.points.map(|p| p[0]));
+        let mut xs: Vec<_> = xs.collect();
+        xs.sort_by(f64::total_cmp);
+        xs.dedup();
+        assert_eq!(xs, [3.0, 4.75, 6.5, 8.25, 10.0]);
+    }
+}

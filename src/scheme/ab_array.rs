@@ -1,0 +1,112 @@
+//! A-buffer in fixed arrays (FreePipe): an atomic counter per pixel hands out slots.
+//!
+//! With n slots per pixel, the first n fragments to arrive stay; later ones are counted and dropped. Without `-k`, n is
+//! the scene's largest depth complexity, so that all stay.
+
+use std::marker::PhantomData;
+
+use crate::fragment::Fragment;
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+/// How slots are handed out.
+pub trait Ticket: Sync {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// Whether the counter is raised by one atomic operation.
+    const ATOMIC: bool;
+}
+
+/// `atomicAdd`, as published.
+#[derive(Debug)]
+pub enum AtomicAdd {}
+
+/// A load and a store: two invocations may get the same slot.
+#[derive(Debug)]
+pub enum LoadStore {}
+
+/// The method.
+#[derive(Debug)]
+pub struct AbArray<T> {
+    slots: u32,
+    counter: Words<Pixel, Atomic, u32>,
+    records: Words<Pixel, Plain, u64>,
+    form: PhantomData<T>,
+}
+
+const CONTRACT: Contract = Contract {
+    name: "ab-array",
+    title: "A-buffer in fixed arrays of n slots",
+    paper: "Liu, Huang, Liu, Wu 2010 (FreePipe); Crassin 2010a",
+    section: "k+-buffer paper, 2",
+    form: Form::Correct,
+    passes: 1,
+    words: "2n + 1",
+    keeps: Keeps::FirstArrivals,
+    exact_when: "n >= max f(p); n is -k, or measured",
+    arrival_dependent: true,
+    racy: false,
+    ties: "all kept; canonical after resolve",
+    overflow: "drop by arrival, counted",
+    needs: "32-bit atomic add, relaxed",
+    wgsl: Some("storage buffers; atomicAdd"),
+    depth_format: None,
+    default_k: None,
+    max_k: u32::MAX,
+    demand: Demand::MaxDepthComplexity,
+};
+
+impl Ticket for AtomicAdd {
+    const CONTRACT: Contract = CONTRACT;
+    const ATOMIC: bool = true;
+}
+
+impl Ticket for LoadStore {
+    const CONTRACT: Contract = Contract {
+        name: "ab-array@plain-counter",
+        title: "Fault: the counter is raised by a load and a store",
+        form: Form::Mutation,
+        racy: true,
+        exact_when: "only without concurrency",
+        ..CONTRACT
+    };
+    const ATOMIC: bool = false;
+}
+
+impl<T: Ticket> Scheme for AbArray<T> {
+    const CONTRACT: Contract = T::CONTRACT;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let slots = config.k.unwrap_or(config.max_depth_complexity);
+        let (counter, records) = (layout.pixel(1), layout.pixel(u64::from(slots)));
+        Self { slots, counter, records, form: PhantomData }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let counter = self.counter.at(fragment.pixel, 0);
+        let slot = if T::ATOMIC {
+            mem.add(counter, 1, Order::Relaxed).await
+        } else {
+            let slot = mem.load(counter, Order::Relaxed).await;
+            mem.store(counter, slot + 1, Order::Relaxed).await;
+            slot
+        };
+        if slot >= self.slots {
+            return Outcome::Overflow;
+        }
+        mem.plain_store(self.records.at(fragment.pixel, slot), fragment.key()).await;
+        Outcome::Kept
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+        for slot in 0..count.min(self.slots) {
+            keys.push(mem.plain_load(self.records.at(pixel, slot)).await);
+        }
+    }
+}

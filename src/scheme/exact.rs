@@ -1,0 +1,60 @@
+//! The oracle: the sequential exact A-buffer. It has no invocations, no shared memory and no lock; it collects every
+//! fragment of a pixel, sorts them, and keeps the nearest k. Right by reading.
+
+use crate::fragment::{Fragment, Packet};
+use crate::raster::{Batch, FrontEnd, Record};
+use crate::scheme::contract::{Contract, Demand, Form, Keeps};
+
+/// What the oracle promises.
+pub const CONTRACT: Contract = Contract {
+    name: "exact",
+    title: "Sequential exact A-buffer: the reference",
+    paper: "Carpenter 1984",
+    section: "-",
+    form: Form::Correct,
+    passes: 1,
+    words: "2 f(p)",
+    keeps: Keeps::Nearest,
+    exact_when: "always; all fragments unless -k is given",
+    arrival_dependent: false,
+    racy: false,
+    ties: "canonical: the smaller data word is nearer",
+    overflow: "none",
+    needs: "nothing: it is sequential",
+    wgsl: None,
+    depth_format: None,
+    default_k: None,
+    max_k: u32::MAX,
+    demand: Demand::Nothing,
+};
+
+/// The fragments of every pixel of a tile, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.
+#[must_use]
+pub fn tile(front: &FrontEnd, tile: usize, record: Record, k: Option<u32>) -> Vec<Vec<u64>> {
+    let mut pixels = vec![Vec::new(); front.grid.pixels_per_tile()];
+    let mut batch = Batch::default();
+    front.packets(tile, |packet: Packet| {
+        let first = front.grid.local_block(packet) * 64;
+        front.fragments(packet, record, first, &mut batch);
+        for fragment in batch.fragments() {
+            pixels[fragment.pixel as usize].push(fragment.key());
+        }
+    });
+    for keys in &mut pixels {
+        nearest(keys, k);
+    }
+    pixels
+}
+
+/// The fragments of one pixel, front to back: all, or the nearest k.
+#[must_use]
+pub fn pixel(fragments: &[Fragment], k: Option<u32>) -> Vec<u64> {
+    let mut keys: Vec<u64> = fragments.iter().map(|f| f.key()).collect();
+    nearest(&mut keys, k);
+    keys
+}
+
+fn nearest(keys: &mut Vec<u64>, k: Option<u32>) {
+    keys.sort_unstable();
+    keys.truncate(k.map_or(usize::MAX, |k| k as usize));
+}

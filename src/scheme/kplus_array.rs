@@ -1,0 +1,214 @@
+//! k+-buffer with a max-array (Vasilakis, Fudos, "k+-buffer: fragment synchronized k-buffer", I3D 2014; K+B-Array), in
+//! its correct form.
+//!
+//! A spin lock per pixel guards an array whose entry 0 is always its farthest. While there is room, a fragment is
+//! appended; then it replaces the farthest, and the new farthest moves to entry 0. A cull test before the lock spares
+//! distant fragments the wait.
+//!
+//! What the correct form does differently from Algorithm 3 (kept as `kplus-array@published`), and why:
+//! * Entry 0 never holds anything nearer than the true farthest: the new farthest is found *before* anything is
+//!   written, and the freed entry is written before entry 0. The published order puts the new fragment into entry 0
+//!   first, and an unlocked reader may be culled against it.
+//! * The counter is raised by a release store after the element is in place, and read before the lock by an acquire
+//!   load: who sees a full array also sees an entry 0 at least as new, and stale values are farther, hence safe.
+//! * Depths are atomic words, since entry 0 is read outside the lock. The lock is taken by an acquire exchange and
+//!   released by a release store, not by a plain one.
+//! * Ties: the unlocked test culls only what is strictly behind; inside the lock whole keys decide, so that the kept
+//!   set is the k smallest in canonical order whatever the order of arrival.
+
+use std::marker::PhantomData;
+
+use crate::fragment::{Fragment, key};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+/// The correct form, or a fault in it.
+pub trait Variant: Sync {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// How the lock is released.
+    const UNLOCK: Order = Order::Release;
+    /// Whether the cull test is repeated inside the lock.
+    const SECOND_TEST: bool = true;
+}
+
+/// No fault.
+#[derive(Debug)]
+pub enum Correct {}
+
+/// M1: the lock is released by a relaxed store, so what was written under it may become visible later.
+#[derive(Debug)]
+pub enum RelaxedUnlock {}
+
+/// The test inside the lock is missing: between the unlocked test and the lock, others may have stored nearer
+/// fragments.
+#[derive(Debug)]
+pub enum OneTest {}
+
+/// The method.
+#[derive(Debug)]
+pub struct KPlusArray<V> {
+    k: u32,
+    lock: Words<Pixel, Atomic, u32>,
+    counter: Words<Pixel, Atomic, u32>,
+    depth: Words<Pixel, Atomic, u32>,
+    data: Words<Pixel, Plain, u32>,
+    variant: PhantomData<V>,
+}
+
+const CONTRACT: Contract = Contract {
+    name: "kplus-array",
+    title: "k+-buffer: spin lock and max-array",
+    paper: "Vasilakis, Fudos 2014",
+    section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
+    form: Form::Correct,
+    passes: 1,
+    words: "2k + 2",
+    keeps: Keeps::Nearest,
+    exact_when: "always",
+    arrival_dependent: false,
+    racy: false,
+    ties: "canonical: the smaller data word is nearer",
+    overflow: "the farthest is evicted",
+    needs: "acquire and release on a 32-bit word; forward progress of the lock's holder",
+    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
+    depth_format: None,
+    default_k: Some(8),
+    max_k: u32::MAX / 4,
+    demand: Demand::Nothing,
+};
+
+impl Variant for Correct {
+    const CONTRACT: Contract = CONTRACT;
+}
+
+impl Variant for RelaxedUnlock {
+    const CONTRACT: Contract = Contract {
+        name: "kplus-array@M1",
+        title: "Fault M1: unlock by a relaxed store",
+        form: Form::Mutation,
+        exact_when: "under sequential consistency only",
+        racy: true,
+        ..CONTRACT
+    };
+    const UNLOCK: Order = Order::Relaxed;
+}
+
+impl Variant for OneTest {
+    const CONTRACT: Contract = Contract {
+        name: "kplus-array@one-test",
+        title: "Fault: no second cull test inside the lock",
+        form: Form::Mutation,
+        exact_when: "only without concurrency",
+        racy: true,
+        ..CONTRACT
+    };
+    const SECOND_TEST: bool = false;
+}
+
+impl<V: Variant> Scheme for KPlusArray<V> {
+    const CONTRACT: Contract = V::CONTRACT;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let k = config.k.unwrap_or(8);
+        Self {
+            k,
+            lock: layout.pixel(1),
+            counter: layout.pixel(1),
+            depth: layout.pixel(u64::from(k)),
+            data: layout.pixel(u64::from(k)),
+            variant: PhantomData,
+        }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.store(self.lock.at(pixel, 0), 0, Order::Relaxed).await;
+        mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let pixel = fragment.pixel;
+        if mem.load(self.counter.at(pixel, 0), Order::Acquire).await == self.k
+            && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
+        {
+            return Outcome::Culled;
+        }
+        loop {
+            if mem.exchange(self.lock.at(pixel, 0), 1, Order::Acquire).await == 0 {
+                let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+                let outcome = if count < self.k {
+                    self.append(mem, fragment, count).await
+                } else {
+                    self.replace_farthest(mem, fragment).await
+                };
+                mem.store(self.lock.at(pixel, 0), 0, V::UNLOCK).await;
+                return outcome;
+            }
+            mem.spin().await;
+        }
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+        for i in 0..count {
+            keys.push(self.entry(mem, pixel, i).await);
+        }
+    }
+}
+
+impl<V: Variant> KPlusArray<V> {
+    /// Put a fragment behind `count` others, and into entry 0 if it is the farthest; only then raise the counter.
+    #[inline(always)]
+    async fn append<M: Memory>(&self, mem: &M, fragment: Fragment, count: u32) -> Outcome {
+        let pixel = fragment.pixel;
+        let mut last = fragment.key();
+        if count > 0 {
+            let farthest = self.entry(mem, pixel, 0).await;
+            if last > farthest {
+                self.put(mem, pixel, 0, last).await;
+                last = farthest;
+            }
+        }
+        self.put(mem, pixel, count, last).await;
+        mem.store(self.counter.at(pixel, 0), count + 1, Order::Release).await;
+        Outcome::Kept
+    }
+
+    /// Put a fragment in the place of the farthest one, if it is nearer.
+    #[inline(always)]
+    async fn replace_farthest<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let pixel = fragment.pixel;
+        if V::SECOND_TEST && fragment.key() >= self.entry(mem, pixel, 0).await {
+            return Outcome::Culled;
+        }
+        let (mut place, mut farthest) = (0, fragment.key());
+        for i in 1..self.k {
+            // The data word decides only among equal depths, and is read only then.
+            let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+            if u64::from(depth) >= farthest >> 32 {
+                let entry = key(depth, mem.plain_load(self.data.at(pixel, i)).await);
+                if entry > farthest {
+                    (place, farthest) = (i, entry);
+                }
+            }
+        }
+        if place != 0 {
+            self.put(mem, pixel, place, fragment.key()).await;
+        }
+        self.put(mem, pixel, 0, farthest).await;
+        Outcome::Evicted
+    }
+
+    #[inline(always)]
+    async fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> u64 {
+        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+        key(depth, mem.plain_load(self.data.at(pixel, i)).await)
+    }
+
+    #[inline(always)]
+    async fn put<M: Memory>(&self, mem: &M, pixel: u32, i: u32, entry: u64) {
+        mem.plain_store(self.data.at(pixel, i), entry as u32).await;
+        mem.store(self.depth.at(pixel, i), (entry >> 32) as u32, Order::Relaxed).await;
+    }
+}

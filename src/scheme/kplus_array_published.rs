@@ -1,0 +1,146 @@
+//! k+-buffer with a max-array exactly as published (Vasilakis, Fudos 2014, Algorithm 3 and section 3.2): K+B-Array.
+//!
+//! It differs from the correct form (`kplus_array`) in four ways, each of which may show: the cull test before the lock
+//! reads counter and entry 0 as plain words; a fragment that replaces the farthest is written to entry 0 *before* the
+//! new farthest is found and swapped there; the lock is released by a plain store; and comparisons are on depth alone,
+//! so that of equal depths the first to arrive stays. The counter is raised before the element is in place
+//! (`insert_empty(p.counter++)`).
+
+use crate::fragment::{Fragment, data_of, depth_of, key};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+/// The method.
+#[derive(Debug)]
+pub struct KPlusArrayPublished {
+    k: u32,
+    semaphore: Words<Pixel, Atomic, u32>,
+    counter: Words<Pixel, Plain, u32>,
+    depth: Words<Pixel, Plain, u32>,
+    data: Words<Pixel, Plain, u32>,
+}
+
+impl Scheme for KPlusArrayPublished {
+    const CONTRACT: Contract = Contract {
+        name: "kplus-array@published",
+        title: "k+-buffer: spin lock and max-array, as in Algorithm 3",
+        paper: "Vasilakis, Fudos 2014",
+        section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
+        form: Form::Published,
+        passes: 1,
+        words: "2k + 2",
+        keeps: Keeps::Nearest,
+        exact_when: "no two invocations of a pixel overlap, and depths differ",
+        arrival_dependent: true,
+        racy: true,
+        ties: "the first to arrive stays",
+        overflow: "the farthest is evicted",
+        needs: "32-bit atomic exchange; forward progress of the lock's holder",
+        wgsl: Some("storage buffers; a data race"),
+        depth_format: None,
+        default_k: Some(8),
+        max_k: u32::MAX / 4,
+        demand: Demand::Nothing,
+    };
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let k = config.k.unwrap_or(8);
+        Self {
+            k,
+            semaphore: layout.pixel(1),
+            counter: layout.pixel(1),
+            depth: layout.pixel(u64::from(k)),
+            data: layout.pixel(u64::from(k)),
+        }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.plain_store(self.counter.at(pixel, 0), 0).await;
+        mem.plain_store_to_atomic(self.semaphore.at(pixel, 0), 0).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let pixel = fragment.pixel;
+        if self.is_culled(mem, fragment).await {
+            return Outcome::Culled;
+        }
+        loop {
+            if mem.exchange(self.semaphore.at(pixel, 0), 1, Order::Relaxed).await == 0 {
+                let count = mem.plain_load(self.counter.at(pixel, 0)).await;
+                let outcome = if count < self.k {
+                    self.insert_empty(mem, fragment, count).await
+                } else if fragment.depth < mem.plain_load(self.depth.at(pixel, 0)).await {
+                    self.insert_full(mem, fragment).await
+                } else {
+                    Outcome::Culled
+                };
+                mem.plain_store_to_atomic(self.semaphore.at(pixel, 0), 0).await;
+                return outcome;
+            }
+            mem.spin().await;
+        }
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let count = mem.plain_load(self.counter.at(pixel, 0)).await;
+        for i in 0..count.min(self.k) {
+            keys.push(self.entry(mem, pixel, i).await);
+        }
+    }
+}
+
+impl KPlusArrayPublished {
+    /// Algorithm 3, line 17.
+    #[inline(always)]
+    async fn is_culled<M: Memory>(&self, mem: &M, fragment: Fragment) -> bool {
+        mem.plain_load(self.counter.at(fragment.pixel, 0)).await >= self.k
+            && fragment.depth >= mem.plain_load(self.depth.at(fragment.pixel, 0)).await
+    }
+
+    #[inline(always)]
+    async fn insert_empty<M: Memory>(&self, mem: &M, fragment: Fragment, count: u32) -> Outcome {
+        let pixel = fragment.pixel;
+        mem.plain_store(self.counter.at(pixel, 0), count + 1).await;
+        self.put(mem, pixel, count, fragment.key()).await;
+        if count > 0 {
+            let first = self.entry(mem, pixel, 0).await;
+            if fragment.depth > depth_of(first) {
+                self.put(mem, pixel, count, first).await;
+                self.put(mem, pixel, 0, fragment.key()).await;
+            }
+        }
+        Outcome::Kept
+    }
+
+    #[inline(always)]
+    async fn insert_full<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let pixel = fragment.pixel;
+        self.put(mem, pixel, 0, fragment.key()).await;
+        let (mut place, mut farthest) = (0, fragment.depth);
+        for i in 1..self.k {
+            let depth = mem.plain_load(self.depth.at(pixel, i)).await;
+            if depth > farthest {
+                (place, farthest) = (i, depth);
+            }
+        }
+        if place != 0 {
+            let entry = self.entry(mem, pixel, place).await;
+            self.put(mem, pixel, place, fragment.key()).await;
+            self.put(mem, pixel, 0, entry).await;
+        }
+        Outcome::Evicted
+    }
+
+    #[inline(always)]
+    async fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> u64 {
+        let depth = mem.plain_load(self.depth.at(pixel, i)).await;
+        key(depth, mem.plain_load(self.data.at(pixel, i)).await)
+    }
+
+    #[inline(always)]
+    async fn put<M: Memory>(&self, mem: &M, pixel: u32, i: u32, entry: u64) {
+        mem.plain_store(self.depth.at(pixel, i), depth_of(entry)).await;
+        mem.plain_store(self.data.at(pixel, i), data_of(entry)).await;
+    }
+}

@@ -1,0 +1,245 @@
+//! The fast rasterizer against the reference, which is right by reading.
+
+use fragloom::num::random::Random;
+use fragloom::raster::clip::{GUARD_BAND, Polygon, Snapped, UNITS, Viewport};
+use fragloom::raster::naive;
+use fragloom::raster::plane::DepthPlane;
+use fragloom::raster::primitive::{Primitive, Rect, Setup};
+use glam::DVec4;
+use proptest::prelude::*;
+
+const WIDTH: u32 = 45;
+const HEIGHT: u32 = 27;
+const IMAGE: Rect = Rect { x0: 0, y0: 0, x1: WIDTH, y1: HEIGHT };
+const LIMIT: i32 = GUARD_BAND * UNITS;
+
+/// Fragments compared by the random test; set `FRAGLOOM_FRAGMENTS` for more (see README).
+fn fragment_goal() -> u64 {
+    std::env::var("FRAGLOOM_FRAGMENTS").map_or(3_000_000, |v| v.parse().expect("a number"))
+}
+
+/// The depth codes of every pixel by the fast path.
+fn fast(polygon: &Polygon) -> Vec<Option<u32>> {
+    let mut image = vec![None; (WIDTH * HEIGHT) as usize];
+    if let Setup::Visible(primitive) = Primitive::new(polygon, 0, IMAGE) {
+        primitive.blocks(IMAGE, |x, y, mask| {
+            let origin = primitive.plane.at(x, y);
+            for bit in (0..64).filter(|bit| mask >> bit & 1 == 1) {
+                let (dx, dy) = (bit % 8, bit / 8);
+                let code = primitive.plane.code(primitive.plane.step(origin, dx, dy));
+                let place = &mut image[((y + dy) * WIDTH + x + dx) as usize];
+                assert_eq!(*place, None, "a pixel twice");
+                *place = Some(code);
+            }
+        });
+    }
+    image
+}
+
+fn slow(polygon: &Polygon) -> Vec<Option<u32>> {
+    let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
+    pixels.map(|(x, y)| naive::fragment(polygon, x, y)).collect()
+}
+
+/// Compare one polygon; how many fragments it had.
+fn compare(polygon: &Polygon) -> u64 {
+    let (fast, slow) = (fast(polygon), slow(polygon));
+    assert_eq!(fast, slow, "{polygon:?}");
+    fast.iter().flatten().count() as u64
+}
+
+/// A coordinate in grid units, of one of several characters.
+fn coordinate(kind: u64, extent: u32, random: &mut Random) -> i32 {
+    let extent = i64::from(extent) * i64::from(UNITS);
+    let any = |random: &mut Random, low: i64, high: i64| (low + random.below((high - low + 1) as u64) as i64) as i32;
+    match kind {
+        0 => any(random, 0, extent),
+        1 => any(random, -extent, 2 * extent),
+        2 => any(random, -i64::from(LIMIT), i64::from(LIMIT)),
+        // On pixel centres and edges, where ties live.
+        3 => any(random, -2, 2 * extent / i64::from(UNITS) + 2) * UNITS / 2,
+        _ => any(random, -2 * extent, 3 * extent) / 16 * 16,
+    }
+}
+
+fn depth(random: &mut Random) -> u32 {
+    match random.below(4) {
+        0 => 0,
+        1 => u32::MAX - 1,
+        _ => random.below(u64::from(u32::MAX)) as u32,
+    }
+}
+
+/// A random triangle: general, sliver (the third vertex near the line of the others), or tiny.
+fn triangle(random: &mut Random) -> [Snapped; 3] {
+    let kinds = [random.below(5), random.below(5)];
+    let mut v = [0; 3].map(|_| Snapped {
+        x: coordinate(kinds[0], WIDTH, random),
+        y: coordinate(kinds[1], HEIGHT, random),
+        z: depth(random),
+    });
+    match random.below(4) {
+        0 => {
+            let t = random.unit();
+            let near = |a: i32, b: i32, r: &mut Random| {
+                (f64::from(a) + f64::from(b - a) * t) as i32 + r.below(5) as i32 - 2
+            };
+            v[2].x = near(v[0].x, v[1].x, random).clamp(-LIMIT, LIMIT);
+            v[2].y = near(v[0].y, v[1].y, random).clamp(-LIMIT, LIMIT);
+        }
+        1 => {
+            for i in 1..3 {
+                v[i].x = (v[0].x + random.below(600) as i32 - 300).clamp(-LIMIT, LIMIT);
+                v[i].y = (v[0].y + random.below(600) as i32 - 300).clamp(-LIMIT, LIMIT);
+            }
+        }
+        _ => {}
+    }
+    v
+}
+
+#[test]
+fn fast_equals_naive_on_random_triangles() {
+    let mut random = Random::new(1, 0);
+    let (mut fragments, mut triangles) = (0, 0u64);
+    while fragments < fragment_goal() {
+        fragments += compare(&Polygon::new(&triangle(&mut random)));
+        triangles += 1;
+    }
+    println!("{fragments} fragments of {triangles} triangles, 0 differences");
+}
+
+/// Triangles in clip space that cross every plane.
+fn clip_vertex() -> impl Strategy<Value = DVec4> {
+    let reach = prop_oneof![Just(1.5), Just(40.0), Just(1e5)];
+    let w = prop_oneof![0.01..4.0, -2.0..2.0f64, Just(1.0)];
+    (reach, w, -1.0..1.0f64, -1.0..1.0f64, -0.5..1.5f64)
+        .prop_map(|(reach, w, x, y, z)| DVec4::new(x * reach, y * reach, z * w, w))
+}
+
+fn viewport(sub_pixel_bits: u32) -> Viewport {
+    Viewport { width: WIDTH, height: HEIGHT, sub_pixel_bits }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn fast_equals_naive_on_clipped_triangles(
+        v in [clip_vertex(), clip_vertex(), clip_vertex()],
+        bits in prop_oneof![Just(8), Just(4)],
+    ) {
+        let polygon = viewport(bits).clip(v);
+        compare(&polygon);
+    }
+
+    /// A fan around a point, its rim anywhere: interior edges are shared, so every pixel is hit exactly as often as the
+    /// winding says, which for a star-shaped rim inside out of nothing is 0 or 1.
+    #[test]
+    fn shared_edges_are_hit_exactly_once(
+        center in (0.0..45.0f64, 0.0..27.0f64),
+        radii in proptest::collection::vec(0.05..3_000.0f64, 3..24),
+        w in proptest::collection::vec(0.05..20.0f64, 25),
+    ) {
+        let hits = fan_hits(center, &radii, &w);
+        let twice = hits.iter().filter(|&&h| h > 1).count();
+        prop_assert_eq!(twice, 0);
+        // Pixels well inside the smallest radius around the centre cannot be missed.
+        let least = radii.iter().copied().fold(f64::MAX, f64::min) * inner_share(radii.len());
+        for (i, &h) in hits.iter().enumerate() {
+            let (x, y) = ((i as u32 % WIDTH) as f64 + 0.5, (i as u32 / WIDTH) as f64 + 0.5);
+            let d = ((x - center.0) * (x - center.0) + (y - center.1) * (y - center.1)).sqrt();
+            if d < least - 0.1 {
+                prop_assert_eq!(h, 1, "pixel {} {}", x, y);
+            }
+        }
+    }
+
+    /// Depth is within one unit of the rational plane, and inside the triangle's range.
+    #[test]
+    fn depth_is_within_one_unit_of_the_rational_plane(seed in any::<u64>()) {
+        let mut random = Random::new(seed, 1);
+        let polygon = Polygon::new(&triangle(&mut random));
+        for (i, code) in fast(&polygon).iter().enumerate() {
+            if let Some(code) = code {
+                let error = depth_error(polygon.vertices(), i as u32 % WIDTH, i as u32 / WIDTH, *code);
+                prop_assert!(error <= MAX_DEPTH_ERROR, "{} units", error);
+            }
+        }
+    }
+}
+
+/// Half a unit for rounding the result, plus 2^25 coefficient roundings of 2^-25 at the far corner of the largest
+/// image (`raster::plane`); here the image is small, so the rest is far below this.
+const MAX_DEPTH_ERROR: f64 = 0.501;
+
+/// |code - exact plane| in depth units, the plane in rationals of i128.
+fn depth_error(v: &[Snapped], x: u32, y: u32, code: u32) -> f64 {
+    let wide = i128::from;
+    let [a, b, c] = [v[0], v[1], v[2]];
+    let (px, py) = (i128::from(x) * 256 + 128, i128::from(y) * 256 + 128);
+    let weight = |p: Snapped, q: Snapped| {
+        (wide(q.x) - wide(p.x)) * (py - wide(p.y)) - (wide(q.y) - wide(p.y)) * (px - wide(p.x))
+    };
+    let (wa, wb, wc) = (weight(b, c), weight(c, a), weight(a, b));
+    let area = wa + wb + wc;
+    let z = wa * i128::from(a.z) + wb * i128::from(b.z) + wc * i128::from(c.z);
+    (z - i128::from(code) * area) as f64 / area as f64
+}
+
+/// The rim of a regular polygon comes this near to its centre, in radii, and a rim of unequal radii no nearer than
+/// that share of the smallest.
+fn inner_share(corners: usize) -> f64 {
+    libm::cos(std::f64::consts::PI / corners as f64)
+}
+
+/// How often each pixel is hit by the triangles of a star-shaped fan, clipped at the guard band where it is huge.
+fn fan_hits(center: (f64, f64), radii: &[f64], w: &[f64]) -> Vec<u32> {
+    let n = radii.len();
+    let clip = |x: f64, y: f64, w: f64| {
+        let (nx, ny) = (x / f64::from(WIDTH) * 2.0 - 1.0, 1.0 - y / f64::from(HEIGHT) * 2.0);
+        DVec4::new(nx * w, ny * w, 0.5 * w, w)
+    };
+    let rim: Vec<DVec4> = (0..n)
+        .map(|i| {
+            let (sin, cos) = libm::sincos(i as f64 / n as f64 * std::f64::consts::TAU);
+            // Every third radius reaches beyond the guard band.
+            let r = if i % 3 == 2 { radii[i] * 40.0 } else { radii[i] };
+            clip(center.0 + r * cos, center.1 + r * sin, w[i])
+        })
+        .collect();
+    let middle = clip(center.0, center.1, w[n]);
+    let mut hits = vec![0; (WIDTH * HEIGHT) as usize];
+    for i in 0..n {
+        let polygon = viewport(8).clip([middle, rim[i], rim[(i + 1) % n]]);
+        for (hit, code) in hits.iter_mut().zip(fast(&polygon)) {
+            *hit += u32::from(code.is_some());
+        }
+    }
+    hits
+}
+
+#[test]
+fn degenerate_triangles_cover_nothing() {
+    let p = |x, y| Snapped { x, y, z: 7 };
+    for v in [[p(0, 0), p(512, 512), p(1024, 1024)], [p(5, 5), p(5, 5), p(900, 3)], [p(9, 9); 3]] {
+        assert!(matches!(Primitive::new(&Polygon::new(&v), 0, IMAGE), Setup::Degenerate));
+        assert_eq!(compare(&Polygon::new(&v)), 0);
+    }
+}
+
+#[test]
+fn the_largest_triangle_covers_every_pixel() {
+    let v = [(-LIMIT, -LIMIT), (LIMIT, -LIMIT), (0, LIMIT)].map(|(x, y)| Snapped { x, y, z: 9 });
+    assert_eq!(compare(&Polygon::new(&v)), u64::from(WIDTH * HEIGHT));
+}
+
+/// Negative control: the comparison sees one changed sub-pixel unit.
+#[test]
+fn a_vertex_moved_by_one_unit_is_seen() {
+    let p = |x, y| Snapped { x, y, z: 7 };
+    let right = Polygon::new(&[p(128, 128), p(2_688, 128), p(128, 2_688)]);
+    let wrong = Polygon::new(&[p(129, 128), p(2_688, 128), p(128, 2_688)]);
+    assert_ne!(fast(&right), fast(&wrong));
+    assert!(DepthPlane::new(&right).is_some());
+}
