@@ -29,7 +29,7 @@ pub(super) struct Args {
     scene: String,
 
     /// Methods to compare, separated by commas [default: all in their correct form]
-    #[arg(short, long, value_name = "METHOD,...", value_delimiter = ',')]
+    #[arg(short, long = "method", value_name = "METHOD,...", value_delimiter = ',')]
     methods: Vec<String>,
 
     /// The method that is right by definition
@@ -65,17 +65,26 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     }
     let quiet = args.output.quiet;
     let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
-    settings.warnings.iter().chain(&scene.warnings).for_each(|warning| say::warning(warning));
-    let mut session =
-        Session { scene, options: settings.options, quiet, references: BTreeMap::new() };
+    let warnings = [settings.warnings, scene.warnings.clone()].concat();
+    warnings.iter().for_each(|warning| say::warning(warning));
+    let options = settings.options;
+    let mut session = Session { scene, options, warnings, quiet, references: BTreeMap::new() };
     let rows = methods.iter().map(|method| session.compare(method, args.folder.as_deref()));
     let rows: Vec<Row> = rows.collect::<Result<_>>()?;
     let text = if args.output.json { json::document(&rows)? } else { row::table(&rows) };
     say::result(&text)?;
-    for row in &rows {
-        row.violations.iter().for_each(|it| say::violation(&format!("{}: {it}", row.method)));
-    }
+    rows.iter().for_each(|row| complain(row, &session.warnings));
     Ok(if rows.iter().all(Row::agrees) { Verdict::Clean } else { Verdict::Found })
+}
+
+/// What one method alone brought up.
+fn complain(row: &Row, known: &[String]) {
+    for warning in row.warnings.iter().filter(|warning| !known.contains(warning)) {
+        say::warning(&format!("{}: {warning}", row.method));
+    }
+    for violation in &row.violations {
+        say::violation(&format!("{}: {violation}", row.method));
+    }
 }
 
 /// The methods typed, or all correct ones but the reference.
@@ -99,6 +108,8 @@ struct Session {
     scene: Scene,
     /// `method` is the reference's.
     options: Options,
+    /// Those of every row.
+    warnings: Vec<String>,
     quiet: bool,
     /// By the reference's k; `None` is all fragments.
     references: BTreeMap<Option<u32>, Rendering>,
@@ -108,11 +119,13 @@ impl Session {
     fn compare(&mut self, method: &Contract, folder: Option<&Path>) -> Result<Row> {
         let options = Options { method: method.name.to_owned(), ..self.options.clone() };
         let drawn = self.draw(&options)?;
-        let k = method.reference_k(self.options.k);
+        let k = self.held_to(method);
         self.prepare(None)?;
         self.prepare(k)?;
         let (all, same) = (&self.references[&None], &self.references[&k]);
         let mut row = Row::new(method.name, &self.options.method, k, &drawn);
+        row.warnings.retain(|warning| !self.warnings.contains(warning));
+        row.warnings.splice(..0, self.warnings.iter().cloned());
         row.lists_equal = drawn.lists == same.lists;
         row.from_reference = difference::measure(&same.image, &drawn.image)?;
         row.from_all = difference::measure(&all.image, &drawn.image)?;
@@ -124,6 +137,12 @@ impl Session {
             files::write_bytes(&path, &bytes)?;
         }
         Ok(row)
+    }
+
+    /// The reference's k for a method; the reference itself is held to what was typed.
+    fn held_to(&self, method: &Contract) -> Option<u32> {
+        let k = self.options.k;
+        if method.name == self.options.method { k } else { method.reference_k(k) }
     }
 
     /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it.

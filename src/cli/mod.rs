@@ -1,5 +1,5 @@
-//! The command line: one file per command. A command takes what was typed ([`flags`]), checks and completes it
-//! ([`settings`]), runs, and says what it found.
+//! The command line: one file per command. A command takes what was typed (`flags`), checks and completes it
+//! (`settings`), runs, and says what it found.
 //!
 //! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
 //! stdout, everything else to stderr, one line each.
@@ -24,7 +24,12 @@ use crate::error::Result;
 
 /// A bit-exact CPU rasterizer that runs multi-fragment shaders as concurrent programs.
 #[derive(Debug, Parser)]
-#[command(name = "fragloom", version, disable_help_subcommand = true)]
+#[command(
+    name = "fragloom",
+    version,
+    disable_help_subcommand = true,
+    arg_required_else_help = false
+)]
 #[command(after_help = "Exit codes: 0 nothing wrong; 1 a difference or a violation; 2 an error.")]
 struct Cli {
     #[command(subcommand)]

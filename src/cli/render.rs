@@ -103,7 +103,9 @@ fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<(
     if let Some(path) = &args.fragments {
         files::write(path, |file| npz::write(file, &rendering.lists))?;
     }
-    if let (Some(path), Some(schedule)) = (&args.record, &rendering.schedule) {
+    if let Some(path) = &args.record {
+        let schedule = rendering.schedule.as_ref();
+        let schedule = schedule.ok_or_else(|| Error::new("--record", "nothing was scheduled"))?;
         files::write_bytes(path, schedule)?;
     }
     if let Some(path) = &args.stats {

@@ -109,7 +109,7 @@ impl Layout {
     /// A swatch for "equal", then one cell per difference of 1..=255 with numbers under it.
     fn legend(&self, canvas: &mut Canvas) {
         let [left, top, unit] = [self.margin, self.below, self.unit];
-        let meaning = "heat map: largest difference of R, G, B, A in a pixel, in steps of 8 bits";
+        let meaning = "heat map: the largest difference of R, G, B and A at a pixel, of 255";
         canvas.text([left, top], meaning, &BODY, QUIET);
         let [y, tall, numbers] = [top + 17 * unit, 13 * unit, top + 34 * unit];
         canvas.fill([left, y], [28 * unit, tall], ramp::EQUAL);

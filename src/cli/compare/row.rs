@@ -123,10 +123,10 @@ pub(super) fn table(rows: &[Row]) -> String {
         "dropped",
         "lists equal",
         "pixels differ",
-        "max",
-        "from all fragments",
-        "max",
-        "mean",
+        "by at most",
+        "differ from all",
+        "by at most",
+        "on average",
     ];
     let mut cells = vec![heading.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(Row::cells));

@@ -1,0 +1,157 @@
+//! The binary's manners: help, errors, exit codes, and never a file half written. What it draws is in
+//! `cli_render.rs`.
+
+#[path = "support/command.rs"]
+mod support;
+
+use std::fs;
+use std::process::Stdio;
+
+use support::Dir;
+
+#[test]
+fn help_exists_for_the_program_and_every_command() {
+    let dir = Dir::new();
+    let help = dir.run("--help");
+    assert_eq!((help.code, help.stderr.as_str()), (0, ""));
+    for command in ["render", "compare", "methods", "scenes"] {
+        assert!(help.stdout.contains(command), "{command}");
+        let help = dir.run(&format!("{command} --help"));
+        assert_eq!((help.code, help.stderr.as_str()), (0, ""), "{command}");
+        assert!(help.stdout.contains("--json"), "{command}");
+    }
+    assert!(dir.run("--version").stdout.starts_with("fragloom "));
+}
+
+#[test]
+fn options_have_a_default_or_say_that_they_have_none() {
+    for sub in fragloom::cli::command().get_subcommands() {
+        for argument in sub.get_arguments().filter(|a| a.get_long().is_some()) {
+            let help = argument.get_help().unwrap().to_string();
+            let takes_value = argument.get_action().takes_values();
+            let told = help.contains("[default:") || !argument.get_default_values().is_empty();
+            assert!(told || !takes_value, "{} {argument}: {help}", sub.get_name());
+        }
+    }
+}
+
+#[test]
+fn wrong_values_are_one_line_that_names_the_option() {
+    let dir = Dir::new();
+    for (line, words) in [
+        ("render x -k 0", &["-k:", "at least 1"][..]),
+        ("render x -k -1", &["-k"]),
+        ("render x --size 0x4", &["--size:", "16384"]),
+        ("render x --size 16385x4", &["--size:", "16384"]),
+        ("render x --size 64", &["--size:", "640x480"]),
+        ("render x --alpha 1.01", &["--alpha:", "0 to 1"]),
+        ("render x --alpha -1", &["--alpha:"]),
+        ("render x --alpha nan", &["--alpha:"]),
+        ("render x --tile 8", &["--tile:", "16, 32, 64"]),
+        ("render x --sub-pixel-bits 6", &["--sub-pixel-bits:", "8, 4"]),
+        ("render x --max-memory lots", &["--max-memory:", "512M"]),
+        ("render x --exec gpu", &["--exec", "tile, threads, sim"]),
+        ("render x --shading phong", &["--shading", "gooch"]),
+        ("render x --depth-format d16", &["--depth-format", "d24"]),
+        ("render x --data depth", &["--data", "primitive"]),
+        ("render x --cull-face both", &["--cull-face", "back"]),
+        ("render x --threads -1", &["--threads"]),
+        ("render x --threads many", &["--threads"]),
+        ("render x --schedule random", &["--schedule:", "--exec sim"]),
+        ("render x --exec sim --schedule fifo", &["--schedule:", "round-robin"]),
+        ("render x --exec sim --schedule warp:0", &["--schedule:", "warp:N"]),
+        ("render x --exec sim --schedule recorded:none", &["--schedule:", "none"]),
+        ("render x --exec sim --resident 0", &["--resident:", "at least 1"]),
+        ("render x --record s", &["--record:", "--exec sim"]),
+        ("render x -m kplus-aray", &["-m:", "did you mean kplus-array?", "exact"]),
+        ("compare x -m exact,nonsense", &["-m:", "nonsense"]),
+        ("compare x --reference exakt", &["--reference:", "did you mean exact?"]),
+        ("render", &["SCENE"]),
+        ("render x --sise 4x4", &["--sise", "--size"]),
+        ("rendr x", &["rendr", "render"]),
+        ("", &["subcommand"]),
+    ] {
+        dir.run(line).is_error(words);
+    }
+    assert!(dir.names().is_empty());
+}
+
+#[test]
+fn a_scene_that_is_not_there_is_an_error() {
+    let dir = Dir::new();
+    dir.run("render missing.obj -o out.png --json").is_error(&["missing.obj"]);
+    dir.run("compare missing.obj -o .").is_error(&["missing.obj"]);
+    assert!(dir.names().is_empty());
+}
+
+#[test]
+fn outputs_are_checked_before_anything_runs() {
+    let dir = Dir::new();
+    for option in ["-o", "--fragments", "--stats"] {
+        // The scene is missing as well: the output is complained of first.
+        let run = dir.run(&format!("render missing.obj {option} no/such/folder/file"));
+        run.is_error(&[&format!("{option}:"), "no/such/folder"]);
+    }
+    let run = dir.run("render missing.obj --exec sim --record no/schedule");
+    run.is_error(&["--record:", "no/schedule"]);
+    dir.run("render missing.obj -o .").is_error(&["-o:"]);
+    dir.run("render missing.obj -o a --stats a").is_error(&["--stats:", "-o"]);
+    dir.run("compare missing.obj -o no/folder").is_error(&["-o:", "no/folder"]);
+    fs::write(dir.path("file"), "kept").unwrap();
+    dir.run("compare missing.obj -o file").is_error(&["-o:", "file"]);
+    assert_eq!(dir.names(), ["file"]);
+    assert_eq!(dir.read("file"), b"kept");
+}
+
+#[test]
+fn methods_come_from_the_contracts() {
+    let dir = Dir::new();
+    let document = dir.run("methods --json").json();
+    let methods = document.as_array().unwrap();
+    let keys = [
+        "name",
+        "title",
+        "paper",
+        "section",
+        "form",
+        "passes",
+        "words",
+        "exact_when",
+        "arrival_dependent",
+        "ties",
+        "overflow",
+        "wgsl",
+        "default_k",
+    ];
+    assert!(methods.iter().all(|method| keys.iter().all(|key| method.get(key).is_some())));
+    let table = dir.run("methods");
+    assert_eq!(table.stdout.lines().count(), methods.len() + 1);
+    for name in ["exact", "kplus-array"] {
+        assert!(methods.iter().any(|method| method["name"] == name), "{name}");
+        assert!(table.stdout.lines().any(|line| line.starts_with(name)), "{name}");
+    }
+}
+
+#[test]
+fn scenes_are_listed_with_their_keys() {
+    let dir = Dir::new();
+    let document = dir.run("scenes --json").json();
+    let scenes = document.as_array().unwrap();
+    let layers = scenes.iter().find(|scene| scene["name"] == "layers").unwrap();
+    assert!(layers["description"].as_str().is_some_and(|text| !text.is_empty()));
+    assert!(layers["keys"].as_array().unwrap().iter().any(|key| key["name"] == "count"));
+    assert!(dir.run("scenes").stdout.contains("layers"));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_fault() {
+    let dir = Dir::new();
+    for line in ["methods --json", "--help"] {
+        let mut command = dir.command();
+        command.args(line.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]), "{line}");
+    }
+}
