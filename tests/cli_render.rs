@@ -37,7 +37,6 @@ fn balances(report: &Value) {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn the_document_has_every_key_and_balances() {
     let run = Dir::new().run(&format!("render layers:count=4 {SMALL} -m exact --json"));
     assert_eq!(run.code, 0, "{run:?}");
@@ -77,7 +76,6 @@ fn the_document_has_every_key_and_balances() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn k_fragments_are_kept_and_the_rest_accounted_for() {
     let dir = Dir::new();
     for exec in ["tile", "threads --threads 2", "sim --resident 64"] {
@@ -92,7 +90,6 @@ fn k_fragments_are_kept_and_the_rest_accounted_for() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn the_table_tells_the_same_numbers() {
     let dir = Dir::new();
     let table = dir.run(&format!("render layers:count=4 {SMALL} -m exact"));
@@ -115,7 +112,6 @@ fn member(archive: &[u8], name: &str) -> Vec<u8> {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn files_hold_what_the_hashes_say() {
     let dir = Dir::new();
     let line = format!(
@@ -142,7 +138,6 @@ fn files_hold_what_the_hashes_say() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn two_runs_give_the_same_bytes() {
     let dir = Dir::new();
     let draw = |name: &str, more: &str| {
@@ -167,7 +162,6 @@ fn two_runs_give_the_same_bytes() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn a_recorded_schedule_runs_again() {
     let dir = Dir::new();
     let sim = format!("render cubes {SMALL} -m kb --exec sim --resident 64 --json");
@@ -181,7 +175,6 @@ fn a_recorded_schedule_runs_again() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn options_without_effect_are_warned_of() {
     let run = Dir::new().run(&format!("render layers:count=4 {SMALL} --seed 1 --json"));
     assert_eq!(run.code, 0, "{run:?}");
@@ -190,7 +183,6 @@ fn options_without_effect_are_warned_of() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn too_little_memory_is_refused() {
     let dir = Dir::new();
     let run = dir.run(&format!("render layers:count=4 {SMALL} --max-memory 1K -o out.png"));
@@ -199,7 +191,6 @@ fn too_little_memory_is_refused() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn correct_methods_agree_with_the_reference() {
     let dir = Dir::new();
     let line = format!("compare layers:count=4 {SMALL} -m exact,kplus-array -k 2 --json -o .");
@@ -215,7 +206,6 @@ fn correct_methods_agree_with_the_reference() {
 }
 
 #[test]
-#[ignore = "render is a stub"]
 fn a_method_that_loses_fragments_is_found() {
     let dir = Dir::new();
     let line = format!("compare layers:count=4 {SMALL} -m kb,kplus-array --exec sim --json");
