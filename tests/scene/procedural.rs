@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use fragloom::scene::{Overrides, Scene, builtin, load};
+use fragloom::scene::{Object, Overrides, Scene, builtin, load};
+use glam::DVec2;
 use sha2::{Digest, Sha256};
 
-use super::corners;
+use super::World;
 use super::load::assert_framed;
 
 /// The hash of all numbers of a scene.
@@ -142,21 +143,47 @@ fn covers(points: &[[f64; 3]; 3], x: f64, y: f64) -> bool {
 }
 
 #[test]
-fn gears_are_195_parts_that_mesh_without_touching_their_next_but_one() {
+fn gears_are_195_parts_and_neighbours_mesh() {
     let scene = load("gears", &Overrides::default()).unwrap();
     assert_eq!((scene.objects.len(), scene.materials.len()), (195, 195));
-    let span = |gear: usize| {
-        let parts = &scene.objects[gear * 15..gear * 15 + 15];
-        let hub = parts[0].transform.w_axis.truncate();
-        let own = Scene { objects: parts.to_vec(), ..scene.clone() };
-        let reach = corners(&own).into_iter().flatten().map(|c| (c - hub).truncate().length());
-        (hub, reach.fold(0.0, f64::max))
-    };
-    for gear in 0..11 {
-        let ((a, reach), (b, other)) = (span(gear), span(gear + 2));
-        assert!((a - b).length() > reach + other);
-        let (next, reach_of_next) = span(gear + 1);
-        assert!((a - next).length() < reach + reach_of_next, "teeth mesh");
+    // Nine on the first plate, in rows of three.
+    let gears: Vec<_> = scene.objects.chunks(15).map(Gear::new).collect();
+    let apart = |i: usize, j: usize| (gears[i].middle - gears[j].middle).length();
+    for (i, j) in [(0, 1), (1, 2), (0, 3), (1, 4), (4, 7), (9, 10), (9, 12)] {
+        assert!(apart(i, j) < gears[i].reach + gears[j].reach, "{i} and {j} touch");
+        assert!(
+            !gears[i].overlaps(&gears[j]) && !gears[j].overlaps(&gears[i]),
+            "{i} and {j} collide"
+        );
+    }
+    for (i, j) in [(0, 4), (1, 3), (0, 2), (10, 12)] {
+        assert!(apart(i, j) > gears[i].reach + gears[j].reach, "{i} and {j} are apart");
+    }
+}
+
+/// A gear's outline on its plate.
+struct Gear {
+    middle: DVec2,
+    reach: f64,
+    teeth: Vec<[DVec2; 4]>,
+}
+
+impl Gear {
+    fn new(parts: &[Object]) -> Self {
+        let middle = parts[0].transform.w_axis.truncate().truncate();
+        let outline = |tooth: &Object| [0, 1, 2, 3].map(|i| tooth.world(i).truncate());
+        let teeth: Vec<_> = parts[3..].iter().map(outline).collect();
+        let reach = teeth.iter().flatten().map(|&p| (p - middle).length()).fold(0.0, f64::max);
+        Self { middle, reach, teeth }
+    }
+
+    /// Whether a corner of one of its teeth is inside one of the other's, which are anticlockwise.
+    fn overlaps(&self, other: &Self) -> bool {
+        let inside = |p: DVec2, tooth: &[DVec2; 4]| {
+            (0..4).all(|i| (tooth[(i + 1) % 4] - tooth[i]).perp_dot(p - tooth[i]) > 0.0)
+        };
+        let corners = self.teeth.as_flattened();
+        corners.iter().any(|&p| other.teeth.iter().any(|tooth| inside(p, tooth)))
     }
 }
 

@@ -1,20 +1,23 @@
-//! A train of meshing gears along a zigzag, each made of fifteen parts (disc, hub, axle, twelve teeth) and each
-//! part in a colour of its own, as in the papers' engine of many parts.
+//! Two plates of meshing gears, each gear made of fifteen parts (disc, hub, axle, twelve teeth) and each part in a
+//! colour of its own, as in the papers' engine of many parts.
+//!
+//! Gears stand on a square lattice. Twelve teeth make a quarter turn three whole pitches, so a gear that is
+//! half a pitch ahead of its neighbour on one side is so on all four.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4};
 
 use super::super::{Material, Mesh, Model};
-use super::shape::{prism, random_color, revolve, turn_and_move, turned};
+use super::shape::{prism, random_color, revolve, turn_and_move};
 use super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "gears",
-    about: "a train of meshing gears, each of 15 parts in random colours (13 gears are 195 parts)",
+    about: "two plates of meshing gears, each of 15 parts in random colours (13 gears are 195 parts)",
     in_pixels: false,
     keys: &[
         Key { name: "count", default: "13", range: Range::Count(1, 4096), about: "gears" },
@@ -38,9 +41,8 @@ const PITCH: f64 = TAU / TEETH as f64;
 /// Where teeth of two gears meet; gears are twice this apart.
 const PITCH_RADIUS: f64 = 1.0;
 
-/// How far the line between neighbours is from the train's direction, to either side: far enough that the next
-/// but one gear is out of reach.
-const ZIGZAG: f64 = PI / 4.0;
+/// From one plate to the next: axles end before they meet.
+const PLATE_DISTANCE: f64 = 1.0;
 
 /// The y axis, around which surfaces revolve, onto z, around which gears turn.
 const UPRIGHT: DMat4 = DMat4::from_cols(DVec4::X, DVec4::Z, DVec4::NEG_Y, DVec4::W);
@@ -54,23 +56,28 @@ struct Shapes {
 fn generate(keys: &Keys<'_>, _: [u32; 2]) -> Result<Model> {
     let (count, alpha) = (keys.count("count")?, keys.alpha()?);
     let shapes = Shapes::new(keys.count("sides")?);
+    // Two plates of this many gears along each side hold them all.
+    let side = libm::ceil(libm::sqrt(f64::from(count) * 0.5)) as u32;
     let mut colors = Random::new(keys.seed()?, 1);
     let mut model = Model::default();
-    let (mut at, mut phase) = (DVec3::ZERO, 0.0);
     for gear in 0..count {
+        let (at, phase) = place(gear, side);
         for (name, mesh, transform) in shapes.parts(at, phase) {
             let name = format!("gear {gear} {name}");
             let material =
                 model.add_material(Material::new(name, random_color(&mut colors), alpha));
             model.add_placed(mesh, transform, material);
         }
-        let angle = if gear % 2 == 0 { ZIGZAG } else { -ZIGZAG };
-        let (c, s) = turned(angle);
-        at += DVec3::new(c, s, 0.0) * (2.0 * PITCH_RADIUS);
-        // Where one has a tooth, the other, which turns the other way, has a gap.
-        phase = 2.0 * angle + PI - phase + 0.5 * PITCH;
     }
     Ok(model)
+}
+
+/// The middle of a gear and the angle of its first tooth.
+fn place(gear: u32, side: u32) -> (DVec3, f64) {
+    let (x, y, plate) = (gear % side, gear / side % side, gear / (side * side));
+    let [x_place, y_place] = [x, y].map(|i| f64::from(i) * 2.0 * PITCH_RADIUS);
+    let at = DVec3::new(x_place, y_place, -f64::from(plate) * PLATE_DISTANCE);
+    (at, if (x + y) % 2 == 0 { 0.0 } else { 0.5 * PITCH })
 }
 
 impl Shapes {
@@ -82,7 +89,7 @@ impl Shapes {
         };
         let axle = [[0.0, -0.45], [0.12, -0.45], [0.12, 0.45], [0.0, 0.45]];
         let [root, tip] = [0.84, 1.14];
-        let tooth = [(root, -0.16), (tip, -0.09), (tip, 0.09), (root, 0.16)];
+        let tooth = [(root, -0.13), (tip, -0.06), (tip, 0.06), (root, 0.13)];
         Self {
             round: [
                 ("disc", ring(0.3, 0.86, 0.12)),

@@ -1,0 +1,46 @@
+//! What the fuzz targets do, as plain functions, so that a test replays their corpus without libFuzzer.
+//!
+//! Each shows bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
+//! promises that `fragloom::scene` makes.
+
+use fragloom::error::{Error, Result};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};
+
+/// An OBJ file up to the first zero byte, with the rest as its material library.
+pub fn obj(bytes: &[u8]) {
+    let split = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    let (text, library) = bytes.split_at(split);
+    check_model(obj::parse(text, "fuzz", &mut |_| library.get(1..).map(<[u8]>::to_vec)));
+}
+
+/// A glTF or GLB file whose external buffers are all the same 64 bytes.
+pub fn gltf(bytes: &[u8]) {
+    let buffer: Vec<u8> = (0..64).collect();
+    check_model(gltf::parse(bytes, "fuzz", &mut |_| Ok(buffer.clone())));
+}
+
+/// A PLY file.
+pub fn ply(bytes: &[u8]) {
+    check_model(ply::parse(bytes, "fuzz"));
+}
+
+/// A scene file whose objects are all the same triangle; files whose names begin with `x` are missing.
+pub fn toml(bytes: &[u8]) {
+    let Ok(description) = file::parse(bytes, "fuzz") else { return };
+    let mut model = |source: file::Source<'_>| match source {
+        file::Source::File(name) if name.starts_with('x') => Err(Error::new(name, "is missing")),
+        _ => obj::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "triangle", &mut |_| None),
+    };
+    if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+        check::scene(&scene).expect("a scene that was built keeps its promises");
+    }
+}
+
+fn check_model(result: Result<Model>) {
+    let Ok(model) = result else { return };
+    assert!(model.triangles() > 0, "a model has triangles");
+    for object in &model.objects {
+        check::mesh("fuzz", &object.mesh).expect("a loaded mesh keeps its promises");
+        assert!(object.material < model.materials.len(), "materials are there");
+    }
+}
