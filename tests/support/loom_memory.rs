@@ -88,7 +88,7 @@ impl Memory for Loom<'_> {
         &self,
         at: At<S, K, W>,
         access: Access,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let order = match access {
             Access::Plain => Ordering::Relaxed,
             Access::Atomic(order) => order.for_load(),
@@ -101,7 +101,7 @@ impl Memory for Loom<'_> {
         at: At<S, K, W>,
         value: W,
         access: Access,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         let order = match access {
             Access::Plain => Ordering::Relaxed,
             Access::Atomic(order) => order.for_store(),
@@ -115,7 +115,7 @@ impl Memory for Loom<'_> {
         at: At<S, Atomic, W>,
         update: Update<W>,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let (cell, ordering) = (self.storage.cell(at), order.for_update());
         let old = match update {
             Update::Exchange(v) => exchange(cell, v.to_u64(), ordering, order.for_load()),
@@ -141,7 +141,7 @@ impl Memory for Loom<'_> {
         ready(W::from_u64(old))
     }
 
-    fn spin(&self) -> impl Future<Output = ()> {
+    fn spin(&self) -> impl Future<Output = ()> + Unpin {
         self.spins.set(self.spins.get() + 1);
         if self.spins.get() > self.patience {
             loom::skip_branch();
