@@ -44,7 +44,8 @@ fn balances(report: &Report) -> bool {
 fn check(name: &str) {
     let Some(scene) = model(name) else { return };
     let generated = report(&scene, "exact", None, Exec::Tile).generated;
-    assert!(generated > 10_000, "{name}: {generated}");
+    // The ribbons are much thinner than a pixel here.
+    assert!(generated > 5_000, "{name}: {generated}");
     for (method, k, reference_k) in PAIRS {
         let exact = report(&scene, "exact", reference_k, Exec::Tile);
         for exec in executors() {
