@@ -35,6 +35,13 @@ pub fn key(depth: u32, data: u32) -> u64 {
     (u64::from(depth) << 32) | u64::from(data)
 }
 
+/// [`key`] of a pair (depth, data).
+#[inline]
+#[must_use]
+pub fn pair_key((depth, data): (u32, u32)) -> u64 {
+    key(depth, data)
+}
+
 /// The depth word of a key.
 #[inline]
 #[must_use]

@@ -32,38 +32,48 @@ pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &
     let grid = &job.front.grid;
     let pixel = Shared::new(layout.per_pixel(), grid.storage_pixels());
     let global = Shared::new(layout.per_frame(), 1);
-    let handle = || Native::new(&pixel, &global, O::default());
-    let counters = Mutex::new(Counters::default());
-    let finished = |mem: Native<'_, O>| merge(&counters, mem.into_observer().counters());
+    let shared = SharedMemory { pixel, global, counters: Mutex::new(Counters::default()) };
 
     let tile_pixels = grid.pixels_per_tile() as u32;
     let place = |tile: usize| tile as u32 * tile_pixels;
-    drive::clear_frame(scheme, &handle());
+    shared.with(|mem: Native<'_, O>| drive::clear_frame(scheme, &mem));
     (0..grid.tiles()).into_par_iter().for_each(|tile| {
-        let mem = handle();
-        drive::clear(scheme, &mem, place(tile)..place(tile) + tile_pixels);
-        finished(mem);
+        shared.with(|mem: Native<'_, O>| {
+            drive::clear(scheme, &mem, place(tile)..place(tile) + tile_pixels);
+        });
     });
 
-    let stored = store_pass(scheme, job, &handle, &finished);
+    let stored = store_pass::<S, O>(scheme, job, &shared);
 
     let tiles = (0..grid.tiles()).into_par_iter().map(|tile| {
-        let mem = handle();
         let counts = stored.counts(tile, tile_pixels as usize);
         let finisher = Finisher::new(job, tile);
-        let tally = Tally::default();
-        let output = resolve_tile(scheme, &mem, place(tile), &counts, finisher, &tally);
-        finished(mem);
-        output
+        let none = Tally::default();
+        shared.with(|mem: Native<'_, O>| {
+            resolve_tile(scheme, &mem, place(tile), &counts, finisher, &none)
+        })
     });
     let tiles = tiles.collect();
-    let counters = counters.into_inner().unwrap_or_default();
+    let counters = shared.counters.into_inner().unwrap_or_default();
     Frame::new(job, tiles, &stored.reports, counters)
 }
 
-fn merge(sum: &Mutex<Counters>, counters: Option<&Counters>) {
-    if let (Some(counters), Ok(mut sum)) = (counters, sum.lock()) {
-        sum.merge(counters);
+/// What all threads reach.
+struct SharedMemory {
+    pixel: Shared,
+    global: Shared,
+    counters: Mutex<Counters>,
+}
+
+impl SharedMemory {
+    /// Work with a handle, and add up what it observed.
+    fn with<O: Observer + Default, T>(&self, work: impl FnOnce(Native<'_, O>) -> T) -> T {
+        let observer = O::default();
+        let result = work(Native::new(&self.pixel, &self.global, &observer));
+        if let (Some(counters), Ok(mut sum)) = (observer.counters(), self.counters.lock()) {
+            sum.merge(counters);
+        }
+        result
     }
 }
 
@@ -85,11 +95,10 @@ impl Stored {
     }
 }
 
-fn store_pass<'m, S: Scheme, O: Observer>(
+fn store_pass<S: Scheme, O: Observer + Default>(
     scheme: &S,
     job: &Job<'_>,
-    handle: &(impl Fn() -> Native<'m, O> + Sync),
-    finished: &(impl Fn(Native<'m, O>) + Sync),
+    shared: &SharedMemory,
 ) -> Stored {
     let grid = &job.front.grid;
     let mut gone = Vec::new();
@@ -107,10 +116,7 @@ fn store_pass<'m, S: Scheme, O: Observer>(
         }
         drop(sender);
         let work = || {
-            let mem = handle();
-            let tally = invoke(scheme, job, &mem, &receiver, &stored.gone);
-            finished(mem);
-            tally
+            shared.with(|mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, &stored.gone))
         };
         let workers: Vec<_> = (0..job.threads).map(|_| scope.spawn(work)).collect();
         let mut sum = Tally::default();

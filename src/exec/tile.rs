@@ -19,7 +19,7 @@ pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &
     let pixels = job.front.grid.pixels_per_tile();
     let global = Shared::new(layout.per_frame(), 1);
     let none = Shared::new(Layout::default().per_pixel(), 0);
-    drive::clear_frame(scheme, &Native::new(&none, &global, ()));
+    drive::clear_frame(scheme, &Native::new(&none, &global, &()));
     let worker = || Worker {
         memory: Owned::new(layout.per_pixel(), pixels),
         counts: PixelCounts::default(),
@@ -54,7 +54,8 @@ impl Worker {
         tile: usize,
     ) -> (TileOutput, Counters) {
         let grid = &job.front.grid;
-        let mem = Exclusive::new(&self.memory, global, O::default());
+        let observer = O::default();
+        let mem = Exclusive::new(&self.memory, global, &observer);
         self.counts.reset(grid.pixels_per_tile());
         let mut reports = Tally::default();
         let mut outcomes: Outcomes = [Outcome::Kept; 64];
@@ -71,6 +72,6 @@ impl Worker {
         });
         let finisher = Finisher::new(job, tile);
         let output = resolve_tile(scheme, &mem, 0, &self.counts, finisher, &reports);
-        (output, mem.into_observer().counters().cloned().unwrap_or_default())
+        (output, observer.counters().cloned().unwrap_or_default())
     }
 }

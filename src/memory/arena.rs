@@ -11,16 +11,33 @@ use super::{Access, Kind, Order, Space, Update, Word};
 /// that is the same instruction.
 #[derive(Debug)]
 pub struct Shared {
-    pub(super) words32: Box<[AtomicU32]>,
-    pub(super) words64: Box<[AtomicU64]>,
+    words32: Box<[AtomicU32]>,
+    words64: Box<[AtomicU64]>,
     stride: Sizes,
 }
 
 /// Words that one thread owns.
 #[derive(Debug)]
 pub struct Owned {
-    pub(super) words32: Box<[Cell<u32>]>,
-    pub(super) words64: Box<[Cell<u64>]>,
+    words32: Box<[Cell<u32>]>,
+    words64: Box<[Cell<u64>]>,
+    stride: Sizes,
+}
+
+/// A handle's view of shared words. A handle holds its views by value, so that the compiler knows their addresses and
+/// sizes not to change between operations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SharedView<'a> {
+    pub(super) words32: &'a [AtomicU32],
+    pub(super) words64: &'a [AtomicU64],
+    stride: Sizes,
+}
+
+/// The same of owned words.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OwnedView<'a> {
+    pub(super) words32: &'a [Cell<u32>],
+    pub(super) words64: &'a [Cell<u64>],
     stride: Sizes,
 }
 
@@ -59,7 +76,17 @@ impl Shared {
     }
 }
 
+impl Shared {
+    pub(super) fn view(&self) -> SharedView<'_> {
+        SharedView { words32: &self.words32, words64: &self.words64, stride: self.stride }
+    }
+}
+
 impl Owned {
+    pub(super) fn view(&self) -> OwnedView<'_> {
+        OwnedView { words32: &self.words32, words64: &self.words64, stride: self.stride }
+    }
+
     /// `records` records of the given sizes, all zero.
     #[must_use]
     pub fn new(sizes: Sizes, records: usize) -> Self {
@@ -79,7 +106,7 @@ impl Owned {
 }
 
 #[allow(clippy::inline_always, reason = "see `Memory`")]
-impl Arena for Shared {
+impl Arena for SharedView<'_> {
     #[inline(always)]
     fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, access: Access) -> W {
         let order = match access {
@@ -105,7 +132,7 @@ impl Arena for Shared {
 }
 
 #[allow(clippy::inline_always, reason = "see `Memory`")]
-impl Arena for Owned {
+impl Arena for OwnedView<'_> {
     #[inline(always)]
     fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, _: Access) -> W {
         W::owned(self)[index(&self.stride, at)].get()

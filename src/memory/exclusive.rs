@@ -3,27 +3,22 @@
 
 use std::future::{Future, ready};
 
-use super::arena::{Arena, Owned, Shared};
+use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
 use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Space, Update, Word};
 
 /// One worker's handle.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Exclusive<'a, O> {
-    pixel: &'a Owned,
-    global: &'a Shared,
-    observer: O,
+    pixel: OwnedView<'a>,
+    global: SharedView<'a>,
+    observer: &'a O,
 }
 
 impl<'a, O: Observer> Exclusive<'a, O> {
     /// A handle that reports to `observer`.
     #[must_use]
-    pub fn new(pixel: &'a Owned, global: &'a Shared, observer: O) -> Self {
-        Self { pixel, global, observer }
-    }
-
-    /// What it reported to.
-    pub fn into_observer(self) -> O {
-        self.observer
+    pub fn new(pixel: &'a Owned, global: &'a Shared, observer: &'a O) -> Self {
+        Self { pixel: pixel.view(), global: global.view(), observer }
     }
 }
 
@@ -34,7 +29,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         &self,
         at: At<S, K, W>,
         access: Access,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.observer.read(access, W::BITS);
         ready(if S::GLOBAL { self.global.read(at, access) } else { self.pixel.read(at, access) })
     }
@@ -45,7 +40,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         at: At<S, K, W>,
         value: W,
         access: Access,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         self.observer.write(access, W::BITS);
         if S::GLOBAL {
             self.global.write(at, value, access);
@@ -61,7 +56,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         at: At<S, Atomic, W>,
         update: Update<W>,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let old = if S::GLOBAL {
             self.global.update(at, update, order)
         } else {
@@ -73,7 +68,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
 
     /// Nobody else can be waited for: a scheme that spins here would spin for ever, and a pixel's lock is always free.
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> {
+    fn spin(&self) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
         ready(())
     }

@@ -14,6 +14,7 @@
 //! machinery (`benches/async_overhead.rs` guards that).
 
 pub mod arena;
+mod both;
 pub mod count;
 pub mod exclusive;
 pub mod layout;
@@ -23,6 +24,7 @@ pub mod word;
 
 use std::future::Future;
 
+pub use both::{Both, both};
 pub use count::{Counters, Observer};
 pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Space, Words};
 pub use word::Word;
@@ -121,7 +123,7 @@ pub trait Memory {
         &self,
         at: At<S, K, W>,
         access: Access,
-    ) -> impl Future<Output = W>;
+    ) -> impl Future<Output = W> + Unpin;
 
     /// Write a word.
     fn write<S: Space, K: Kind, W: Word>(
@@ -129,7 +131,7 @@ pub trait Memory {
         at: At<S, K, W>,
         value: W,
         access: Access,
-    ) -> impl Future<Output = ()>;
+    ) -> impl Future<Output = ()> + Unpin;
 
     /// Read, modify and write a word in one atomic operation; the old value.
     fn update<S: Space, W: Word>(
@@ -137,14 +139,14 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         update: Update<W>,
         order: Order,
-    ) -> impl Future<Output = W>;
+    ) -> impl Future<Output = W> + Unpin;
 
     /// Say that this invocation waits for another one and is about to try again.
-    fn spin(&self) -> impl Future<Output = ()>;
+    fn spin(&self) -> impl Future<Output = ()> + Unpin;
 
     /// `atomicLoad`
     #[inline(always)]
-    fn load<S: Space, W: Word>(&self, at: At<S, Atomic, W>, order: Order) -> impl Future<Output = W> {
+    fn load<S: Space, W: Word>(&self, at: At<S, Atomic, W>, order: Order) -> impl Future<Output = W> + Unpin {
         self.read(at, Access::Atomic(order))
     }
 
@@ -155,13 +157,13 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         self.write(at, value, Access::Atomic(order))
     }
 
     /// Read a plain word.
     #[inline(always)]
-    fn plain_load<S: Space, W: Word>(&self, at: At<S, Plain, W>) -> impl Future<Output = W> {
+    fn plain_load<S: Space, W: Word>(&self, at: At<S, Plain, W>) -> impl Future<Output = W> + Unpin {
         self.read(at, Access::Plain)
     }
 
@@ -171,7 +173,7 @@ pub trait Memory {
         &self,
         at: At<S, Plain, W>,
         value: W,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         self.write(at, value, Access::Plain)
     }
 
@@ -181,7 +183,7 @@ pub trait Memory {
         &self,
         at: At<S, Atomic, W>,
         value: W,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         self.write(at, value, Access::Plain)
     }
 
@@ -192,7 +194,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::Exchange(value), order)
     }
 
@@ -204,7 +206,7 @@ pub trait Memory {
         expected: W,
         new: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::CompareExchange { expected, new }, order)
     }
 
@@ -215,7 +217,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::Add(value), order)
     }
 
@@ -226,7 +228,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::And(value), order)
     }
 
@@ -237,7 +239,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::Or(value), order)
     }
 
@@ -248,7 +250,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::Min(value), order)
     }
 
@@ -259,7 +261,7 @@ pub trait Memory {
         at: At<S, Atomic, W>,
         value: W,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.update(at, Update::Max(value), order)
     }
 }

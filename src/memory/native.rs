@@ -3,36 +3,36 @@
 use std::cell::Cell;
 use std::future::{Future, Ready, ready};
 
-use super::arena::{Arena, Shared};
+use super::arena::{Arena, Shared, SharedView};
 use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Space, Update, Word};
 
 /// Failed attempts after which a waiting thread gives up its core for once: the holder may not be running.
 const SPINS_BEFORE_YIELD: u32 = 64;
 
-/// One thread's handle on shared storage.
-#[derive(Debug)]
+thread_local! {
+    /// How often this thread has waited.
+    static WAITS: Cell<u32> = const { Cell::new(0) };
+}
+
+/// One thread's handle on shared storage. It holds nothing that changes, which lets the compiler keep its addresses in
+/// registers across atomic operations.
+#[derive(Clone, Copy, Debug)]
 pub struct Native<'a, O> {
-    pixel: &'a Shared,
-    global: &'a Shared,
-    observer: O,
-    spins: Cell<u32>,
+    pixel: SharedView<'a>,
+    global: SharedView<'a>,
+    observer: &'a O,
 }
 
 impl<'a, O: Observer> Native<'a, O> {
     /// A handle that reports to `observer`.
     #[must_use]
-    pub fn new(pixel: &'a Shared, global: &'a Shared, observer: O) -> Self {
-        Self { pixel, global, observer, spins: Cell::new(0) }
-    }
-
-    /// What it reported to.
-    pub fn into_observer(self) -> O {
-        self.observer
+    pub fn new(pixel: &'a Shared, global: &'a Shared, observer: &'a O) -> Self {
+        Self { pixel: pixel.view(), global: global.view(), observer }
     }
 
     #[inline(always)]
-    fn arena<S: Space>(&self) -> &'a Shared {
-        if S::GLOBAL { self.global } else { self.pixel }
+    fn arena<S: Space>(&self) -> &SharedView<'a> {
+        if S::GLOBAL { &self.global } else { &self.pixel }
     }
 }
 
@@ -43,7 +43,7 @@ impl<O: Observer> Memory for Native<'_, O> {
         &self,
         at: At<S, K, W>,
         access: Access,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         self.observer.read(access, W::BITS);
         ready(self.arena::<S>().read(at, access))
     }
@@ -54,7 +54,7 @@ impl<O: Observer> Memory for Native<'_, O> {
         at: At<S, K, W>,
         value: W,
         access: Access,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         self.observer.write(access, W::BITS);
         self.arena::<S>().write(at, value, access);
         ready(())
@@ -66,24 +66,24 @@ impl<O: Observer> Memory for Native<'_, O> {
         at: At<S, Atomic, W>,
         update: Update<W>,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let old = self.arena::<S>().update(at, update, order);
         self.observer.update(update, old);
         ready(old)
     }
 
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> {
+    fn spin(&self) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
-        wait(&self.spins)
+        wait()
     }
 }
 
 /// Pause, and now and then yield.
 #[cold]
-fn wait(spins: &Cell<u32>) -> Ready<()> {
-    spins.set(spins.get().wrapping_add(1));
-    if spins.get().is_multiple_of(SPINS_BEFORE_YIELD) {
+fn wait() -> Ready<()> {
+    let waits = WAITS.with(|w| w.replace(w.get().wrapping_add(1)));
+    if waits % SPINS_BEFORE_YIELD == SPINS_BEFORE_YIELD - 1 {
         std::thread::yield_now();
     } else {
         std::hint::spin_loop();

@@ -9,7 +9,7 @@ use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-use super::arena::{Arena, Owned};
+use super::arena::{Arena, Owned, OwnedView};
 use super::{
     Access, At, Atomic, Counters, Kind, Layout, Memory, Observer, Order, Space, Update, Word,
 };
@@ -56,8 +56,8 @@ impl Sim {
     }
 
     #[inline]
-    fn arena<S: Space>(&self) -> &Owned {
-        if S::GLOBAL { &self.global } else { &self.pixel }
+    fn arena<S: Space>(&self) -> OwnedView<'_> {
+        if S::GLOBAL { self.global.view() } else { self.pixel.view() }
     }
 }
 
@@ -82,7 +82,7 @@ impl Memory for Sim {
         &self,
         at: At<S, K, W>,
         access: Access,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let perform = move || {
             self.counters.read(access, W::BITS);
             self.arena::<S>().read(at, access)
@@ -96,7 +96,7 @@ impl Memory for Sim {
         at: At<S, K, W>,
         value: W,
         access: Access,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         let perform = move || {
             self.counters.write(access, W::BITS);
             self.arena::<S>().write(at, value, access);
@@ -110,7 +110,7 @@ impl Memory for Sim {
         at: At<S, Atomic, W>,
         update: Update<W>,
         order: Order,
-    ) -> impl Future<Output = W> {
+    ) -> impl Future<Output = W> + Unpin {
         let perform = move || {
             let old = self.arena::<S>().update(at, update, order);
             self.counters.update(update, old);
@@ -121,7 +121,7 @@ impl Memory for Sim {
 
     /// Not an operation: the invocation goes straight on to its next attempt, which waits.
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> {
+    fn spin(&self) -> impl Future<Output = ()> + Unpin {
         self.counters.spin();
         std::future::ready(())
     }

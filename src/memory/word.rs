@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::hash::Hash;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use super::arena::{Owned, Shared};
+use super::arena::{OwnedView, SharedView};
 use super::{Order, Update};
 
 mod sealed {
@@ -32,13 +32,13 @@ pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + '
     #[doc(hidden)]
     fn or(self, other: Self) -> Self;
     #[doc(hidden)]
-    fn owned(arena: &Owned) -> &[Cell<Self>];
+    fn owned<'a>(arena: &OwnedView<'a>) -> &'a [Cell<Self>];
     #[doc(hidden)]
-    fn shared_load(arena: &Shared, index: usize, ordering: Ordering) -> Self;
+    fn shared_load(arena: &SharedView<'_>, index: usize, ordering: Ordering) -> Self;
     #[doc(hidden)]
-    fn shared_store(arena: &Shared, index: usize, value: Self, ordering: Ordering);
+    fn shared_store(arena: &SharedView<'_>, index: usize, value: Self, ordering: Ordering);
     #[doc(hidden)]
-    fn shared_update(arena: &Shared, index: usize, update: Update<Self>, order: Order) -> Self;
+    fn shared_update(arena: &SharedView<'_>, index: usize, update: Update<Self>, order: Order) -> Self;
 }
 
 macro_rules! word {
@@ -73,23 +73,23 @@ macro_rules! word {
             }
 
             #[inline(always)]
-            fn owned(arena: &Owned) -> &[Cell<Self>] {
-                &arena.$field
+            fn owned<'a>(arena: &OwnedView<'a>) -> &'a [Cell<Self>] {
+                arena.$field
             }
 
             #[inline(always)]
-            fn shared_load(arena: &Shared, index: usize, ordering: Ordering) -> Self {
+            fn shared_load(arena: &SharedView<'_>, index: usize, ordering: Ordering) -> Self {
                 arena.$field[index].load(ordering)
             }
 
             #[inline(always)]
-            fn shared_store(arena: &Shared, index: usize, value: Self, ordering: Ordering) {
+            fn shared_store(arena: &SharedView<'_>, index: usize, value: Self, ordering: Ordering) {
                 arena.$field[index].store(value, ordering);
             }
 
             #[inline(always)]
             fn shared_update(
-                arena: &Shared,
+                arena: &SharedView<'_>,
                 index: usize,
                 update: Update<Self>,
                 order: Order,

@@ -16,10 +16,11 @@
 //! * Ties: the unlocked test culls only what is strictly behind; inside the lock whole keys decide, so that the kept
 //!   set is the k smallest in canonical order whatever the order of arrival.
 
+use std::future::Future;
 use std::marker::PhantomData;
 
-use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
 use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
@@ -128,21 +129,53 @@ impl<V: Variant> Scheme for KPlusArray<V> {
         mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
     }
 
+    /// One body, no inner `async fn`: see `memory::both`.
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let pixel = fragment.pixel;
-        if mem.load(self.counter.at(pixel, 0), Order::Acquire).await == self.k
+        let counter = self.counter.at(pixel, 0);
+        if mem.load(counter, Order::Acquire).await == self.k
             && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
         {
             return Outcome::Culled;
         }
         loop {
             if self.lock.try_acquire(mem, pixel).await == FREE {
-                let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
-                let outcome = if count < self.k {
-                    self.append(mem, fragment, count).await
-                } else {
-                    self.replace_farthest(mem, fragment).await
-                };
+                let count = mem.load(counter, Order::Relaxed).await;
+                let mut outcome = Outcome::Culled;
+                if count < self.k {
+                    // Append, into entry 0 if it is the farthest; only then raise the counter.
+                    let mut last = fragment.key();
+                    if count > 0 {
+                        let farthest = pair_key(self.entry(mem, pixel, 0).await);
+                        if last > farthest {
+                            self.put(mem, pixel, 0, last).await;
+                            last = farthest;
+                        }
+                    }
+                    self.put(mem, pixel, count, last).await;
+                    mem.store(counter, count + 1, Order::Release).await;
+                    outcome = Outcome::Kept;
+                } else if !V::SECOND_TEST
+                    || fragment.key() < pair_key(self.entry(mem, pixel, 0).await)
+                {
+                    // Find who will be the farthest before anything is written.
+                    let (mut place, mut farthest) = (0, fragment.key());
+                    for i in 1..self.k {
+                        // The data word decides only among equal depths, and is read only then.
+                        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+                        if depth >= depth_of(farthest) {
+                            let entry = key(depth, mem.plain_load(self.data.at(pixel, i)).await);
+                            if entry > farthest {
+                                (place, farthest) = (i, entry);
+                            }
+                        }
+                    }
+                    if place != 0 {
+                        self.put(mem, pixel, place, fragment.key()).await;
+                    }
+                    self.put(mem, pixel, 0, farthest).await;
+                    outcome = Outcome::Evicted;
+                }
                 self.lock.release(mem, pixel, V::UNLOCK).await;
                 return outcome;
             }
@@ -153,63 +186,29 @@ impl<V: Variant> Scheme for KPlusArray<V> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         for i in 0..count {
-            keys.push(self.entry(mem, pixel, i).await);
+            keys.push(pair_key(self.entry(mem, pixel, i).await));
         }
     }
 }
 
 impl<V: Variant> KPlusArray<V> {
-    /// Put a fragment behind `count` others, and into entry 0 if it is the farthest; only then raise the counter.
+    /// Depth and data word of an entry.
     #[inline(always)]
-    async fn append<M: Memory>(&self, mem: &M, fragment: Fragment, count: u32) -> Outcome {
-        let pixel = fragment.pixel;
-        let mut last = fragment.key();
-        if count > 0 {
-            let farthest = self.entry(mem, pixel, 0).await;
-            if last > farthest {
-                self.put(mem, pixel, 0, last).await;
-                last = farthest;
-            }
-        }
-        self.put(mem, pixel, count, last).await;
-        mem.store(self.counter.at(pixel, 0), count + 1, Order::Release).await;
-        Outcome::Kept
-    }
-
-    /// Put a fragment in the place of the farthest one, if it is nearer.
-    #[inline(always)]
-    async fn replace_farthest<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let pixel = fragment.pixel;
-        if V::SECOND_TEST && fragment.key() >= self.entry(mem, pixel, 0).await {
-            return Outcome::Culled;
-        }
-        let (mut place, mut farthest) = (0, fragment.key());
-        for i in 1..self.k {
-            // The data word decides only among equal depths, and is read only then.
-            let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
-            if u64::from(depth) >= farthest >> 32 {
-                let entry = key(depth, mem.plain_load(self.data.at(pixel, i)).await);
-                if entry > farthest {
-                    (place, farthest) = (i, entry);
-                }
-            }
-        }
-        if place != 0 {
-            self.put(mem, pixel, place, fragment.key()).await;
-        }
-        self.put(mem, pixel, 0, farthest).await;
-        Outcome::Evicted
+    fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
+        both(mem.load(self.depth.at(pixel, i), Order::Relaxed), mem.plain_load(self.data.at(pixel, i)))
     }
 
     #[inline(always)]
-    async fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> u64 {
-        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
-        key(depth, mem.plain_load(self.data.at(pixel, i)).await)
-    }
-
-    #[inline(always)]
-    async fn put<M: Memory>(&self, mem: &M, pixel: u32, i: u32, entry: u64) {
-        mem.plain_store(self.data.at(pixel, i), entry as u32).await;
-        mem.store(self.depth.at(pixel, i), (entry >> 32) as u32, Order::Relaxed).await;
+    fn put<M: Memory>(
+        &self,
+        mem: &M,
+        pixel: u32,
+        i: u32,
+        entry: u64,
+    ) -> impl Future<Output = ((), ())> {
+        both(
+            mem.plain_store(self.data.at(pixel, i), data_of(entry)),
+            mem.store(self.depth.at(pixel, i), depth_of(entry), Order::Relaxed),
+        )
     }
 }

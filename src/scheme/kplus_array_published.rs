@@ -6,8 +6,10 @@
 //! so that of equal depths the first to arrive stays. The counter is raised before the element is in place
 //! (`insert_empty(p.counter++)`).
 
-use crate::fragment::{Fragment, data_of, depth_of, key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use std::future::Future;
+
+use crate::fragment::{Fragment, data_of, depth_of, pair_key};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -85,7 +87,7 @@ impl Scheme for KPlusArrayPublished {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.plain_load(self.counter.at(pixel, 0)).await;
         for i in 0..count.min(self.k) {
-            keys.push(self.entry(mem, pixel, i).await);
+            keys.push(pair_key(self.entry(mem, pixel, i).await));
         }
     }
 }
@@ -104,7 +106,7 @@ impl KPlusArrayPublished {
         mem.plain_store(self.counter.at(pixel, 0), count + 1).await;
         self.put(mem, pixel, count, fragment.key()).await;
         if count > 0 {
-            let first = self.entry(mem, pixel, 0).await;
+            let first = pair_key(self.entry(mem, pixel, 0).await);
             if fragment.depth > depth_of(first) {
                 self.put(mem, pixel, count, first).await;
                 self.put(mem, pixel, 0, fragment.key()).await;
@@ -125,22 +127,30 @@ impl KPlusArrayPublished {
             }
         }
         if place != 0 {
-            let entry = self.entry(mem, pixel, place).await;
+            let entry = pair_key(self.entry(mem, pixel, place).await);
             self.put(mem, pixel, place, fragment.key()).await;
             self.put(mem, pixel, 0, entry).await;
         }
         Outcome::Evicted
     }
 
+    /// Depth and data word of an entry.
     #[inline(always)]
-    async fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> u64 {
-        let depth = mem.plain_load(self.depth.at(pixel, i)).await;
-        key(depth, mem.plain_load(self.data.at(pixel, i)).await)
+    fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
+        both(mem.plain_load(self.depth.at(pixel, i)), mem.plain_load(self.data.at(pixel, i)))
     }
 
     #[inline(always)]
-    async fn put<M: Memory>(&self, mem: &M, pixel: u32, i: u32, entry: u64) {
-        mem.plain_store(self.depth.at(pixel, i), depth_of(entry)).await;
-        mem.plain_store(self.data.at(pixel, i), data_of(entry)).await;
+    fn put<M: Memory>(
+        &self,
+        mem: &M,
+        pixel: u32,
+        i: u32,
+        entry: u64,
+    ) -> impl Future<Output = ((), ())> {
+        both(
+            mem.plain_store(self.depth.at(pixel, i), depth_of(entry)),
+            mem.plain_store(self.data.at(pixel, i), data_of(entry)),
+        )
     }
 }

@@ -33,13 +33,13 @@ impl SpinLock {
 
     /// Free it, in the clear pass.
     #[inline(always)]
-    pub fn clear<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = ()> {
+    pub fn clear<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = ()> + Unpin {
         mem.store(self.0.at(pixel, 0), FREE, Order::Relaxed)
     }
 
     /// Try once; [`FREE`] if the caller now holds it.
     #[inline(always)]
-    pub fn try_acquire<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = u32> {
+    pub fn try_acquire<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = u32> + Unpin {
         mem.exchange(self.0.at(pixel, 0), 1, Order::Acquire)
     }
 
@@ -50,7 +50,7 @@ impl SpinLock {
         mem: &M,
         pixel: u32,
         order: Order,
-    ) -> impl Future<Output = ()> {
+    ) -> impl Future<Output = ()> + Unpin {
         mem.store(self.0.at(pixel, 0), FREE, order)
     }
 }

@@ -98,7 +98,7 @@ fn transforms_nest() {
         "/nodes",
         json!([
             {"children": [1, 2], "translation": [10, 0, 0], "scale": [2, 2, 2]},
-            {"mesh": 0, "rotation": [0.0, 0.0, 0.70710678, 0.70710678], "translation": [0, 1, 0]},
+            {"mesh": 0, "rotation": [0, 0, 1, 1], "translation": [0, 1, 0]},
             {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1]},
         ]),
     );

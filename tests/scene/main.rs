@@ -1,5 +1,10 @@
 //! Scenes from every kind of source, and every kind of bad input with the message that it gets.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "clippy takes only the tests themselves for tests, not their helpers"
+)]
+
 mod gltf;
 mod hostile;
 mod load;

@@ -5,34 +5,34 @@ use fragloom::render::{Exec, Options, Policy, Rendering, Sim, render};
 use fragloom::scene::{self, Overrides, Scene};
 
 /// A built-in or bundled scene at a size.
-pub fn scene(source: &str, size: [u32; 2]) -> Scene {
+pub(crate) fn scene(source: &str, size: [u32; 2]) -> Scene {
     let overrides = Overrides { size: Some(size), ..Overrides::default() };
     scene::load(source, &overrides).expect("a scene")
 }
 
 /// Options for a method.
-pub fn options(method: &str, k: Option<u32>) -> Options {
+pub(crate) fn options(method: &str, k: Option<u32>) -> Options {
     Options { method: method.to_owned(), k, threads: 2, ..Options::default() }
 }
 
 /// Draw, which must succeed.
-pub fn draw(scene: &Scene, options: &Options) -> Rendering {
+pub(crate) fn draw(scene: &Scene, options: &Options) -> Rendering {
     render(scene, options).unwrap_or_else(|e| panic!("{}: {e}", options.method))
 }
 
 /// The simulated device with a policy; few resident invocations, so that small scenes overlap in many ways.
-pub fn sim(policy: Policy, seed: u64) -> Exec {
+pub(crate) fn sim(policy: Policy, seed: u64) -> Exec {
     Exec::Sim(Sim { policy, seed, resident: 96, record: false })
 }
 
 /// The five policies.
-pub fn policies() -> [Policy; 5] {
+pub(crate) fn policies() -> [Policy; 5] {
     [Policy::Order, Policy::Reverse, Policy::RoundRobin, Policy::Random, Policy::Warp(8)]
 }
 
 /// Small scenes of different character: many layers in random order, intersecting and coplanar boxes, thin tubes,
 /// hand-written triangles with equal depths, equal layers.
-pub fn small_scenes() -> Vec<Scene> {
+pub(crate) fn small_scenes() -> Vec<Scene> {
     vec![
         scene("synthetic:n=14,tessellation=3", [40, 28]),
         scene("cubes", [48, 40]),

@@ -1,0 +1,215 @@
+//! loom models of the lock and of the insertions, through the very source of the schemes.
+//!
+//! loom explores interleavings together with what the orderings allow (C11 without load buffering). It returns success
+//! also when one of its limits stops it, so every model counts its executions and asserts a floor. Waiters are pruned
+//! after `patience` failed attempts: nothing here is exhaustive beyond that.
+
+#[path = "support/loom_memory.rs"]
+mod loom_memory;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use fragloom::exec::drive::{self, complete};
+use fragloom::fragment::Fragment;
+use fragloom::memory::{Layout, Memory, Order, Pixel, Plain, Words};
+use fragloom::resolve::sort;
+use fragloom::scheme::ab_array::{AbArray, AtomicAdd, LoadStore};
+use fragloom::scheme::ab_ll::AbLinkedList;
+use fragloom::scheme::kplus_array::{Correct, KPlusArray, OneTest, RelaxedUnlock};
+use fragloom::scheme::lock::{FREE, SpinLock};
+use fragloom::scheme::z_buffer::ZBuffer;
+use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
+use loom::sync::Arc;
+use loom_memory::{Loom, Storage};
+
+/// Run a model; how many executions loom explored, or the message of the one that failed.
+fn explore(model: impl Fn() + Sync + Send + 'static) -> Result<usize, String> {
+    static SILENCE: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _one_at_a_time = SILENCE.lock();
+    let count = std::sync::Arc::new(AtomicUsize::new(0));
+    let counter = count.clone();
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        loom::model(move || {
+            counter.fetch_add(1, Ordering::Relaxed);
+            model();
+        });
+    }));
+    let executions = count.load(Ordering::Relaxed);
+    match outcome {
+        Ok(()) => Ok(executions),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().cloned();
+            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+            Err(format!("execution {executions}: {}", text.unwrap_or_default()))
+        }
+    }
+}
+
+/// A message that a check of ours makes: only a failed property refutes, never one of loom's limits.
+const WRONG: &str = "wrong contents";
+
+fn fragments(depths: &[u32]) -> Vec<Fragment> {
+    (0..).zip(depths).map(|(data, &depth)| Fragment { pixel: 0, depth, data }).collect()
+}
+
+/// One thread per group of fragments; all of one pixel. Afterwards it must hold the exact answer.
+fn insertion<S: Scheme + Send + 'static>(
+    config: Config,
+    groups: &[&[u32]],
+    patience: u32,
+) -> impl Fn() + Sync + Send + 'static {
+    let all: Vec<Vec<Fragment>> = {
+        let flat = fragments(&groups.concat());
+        let mut rest = flat.as_slice();
+        let take = |group: &&[u32]| {
+            let (head, tail) = rest.split_at(group.len());
+            rest = tail;
+            head.to_vec()
+        };
+        groups.iter().map(take).collect()
+    };
+    let expected = exact::pixel(&all.concat(), S::CONTRACT.reference_k(config.k));
+    move || {
+        let mut layout = Layout::default();
+        let scheme = Arc::new(S::new(&config, &mut layout));
+        let storage = Arc::new(Storage::new(&layout, 1));
+        let mem = Loom::new(&storage, patience);
+        drive::clear_frame(&*scheme, &mem);
+        drive::clear(&*scheme, &mem, 0..1);
+        let spawn = |group: Vec<Fragment>| {
+            let (scheme, storage) = (scheme.clone(), storage.clone());
+            loom::thread::spawn(move || store(&*scheme, &storage, &group, patience))
+        };
+        let threads: Vec<_> = all[1..].iter().cloned().map(spawn).collect();
+        store(&*scheme, &storage, &all[0], patience);
+        for thread in threads {
+            thread.join().expect("a thread that does not panic");
+        }
+        let mut keys = Keys::new();
+        drive::resolve(&*scheme, &mem, 0, &mut keys);
+        sort::canonical(&mut keys);
+        assert_eq!(keys, expected, "{WRONG}");
+    }
+}
+
+fn store<S: Scheme>(scheme: &S, storage: &Storage, group: &[Fragment], patience: u32) {
+    let mut outcomes = [Outcome::Kept; 64];
+    drive::store(scheme, &Loom::new(storage, patience), group, &mut outcomes);
+}
+
+fn k(k: u32) -> Config {
+    Config { k: Some(k), generated: 8, max_depth_complexity: 8 }
+}
+
+/// Holds, in at least `floor` executions.
+#[track_caller]
+fn holds(name: &str, floor: usize, model: impl Fn() + Sync + Send + 'static) {
+    let executions = explore(model).unwrap_or_else(|e| panic!("{name}: {e}"));
+    println!("{name}: {executions} executions");
+    assert!(executions >= floor, "{name}: only {executions} executions");
+}
+
+/// Is refuted, by a check and not by a limit.
+#[track_caller]
+fn is_caught(name: &str, model: impl Fn() + Sync + Send + 'static) {
+    let message = explore(model).expect_err("a fault that nothing catches");
+    println!("{name}: {}", message.lines().next().unwrap_or_default());
+    assert!(message.contains(WRONG), "{name}: {message}");
+}
+
+/// Threads that each raise a plain word under the lock, `rounds` times.
+fn counting(threads: u32, rounds: u32, unlock: Order, patience: u32) -> impl Fn() + Sync + Send {
+    move || {
+        let mut layout = Layout::default();
+        let lock = SpinLock::new(&mut layout);
+        let word: Words<Pixel, Plain, u32> = layout.pixel(1);
+        let storage = Arc::new(Storage::new(&layout, 1));
+        let mem = Loom::new(&storage, patience);
+        complete(lock.clear(&mem, 0));
+        complete(mem.plain_store(word.at(0, 0), 0));
+        let raise = move |storage: &Storage| {
+            let mem = Loom::new(storage, patience);
+            for _ in 0..rounds {
+                complete(raise_once(&mem, lock, word, unlock));
+            }
+        };
+        let others: Vec<_> = (1..threads)
+            .map(|_| {
+                let storage = storage.clone();
+                loom::thread::spawn(move || raise(&storage))
+            })
+            .collect();
+        raise(&storage);
+        for thread in others {
+            thread.join().expect("a thread that does not panic");
+        }
+        let sum = complete(mem.plain_load(word.at(0, 0)));
+        assert_eq!(sum, threads * rounds, "{WRONG}");
+    }
+}
+
+async fn raise_once(
+    mem: &Loom<'_>,
+    lock: SpinLock,
+    word: Words<Pixel, Plain, u32>,
+    unlock: Order,
+) {
+    loop {
+        if lock.try_acquire(mem, 0).await == FREE {
+            let value = mem.plain_load(word.at(0, 0)).await;
+            mem.plain_store(word.at(0, 0), value + 1).await;
+            lock.release(mem, 0, unlock).await;
+            return;
+        }
+        mem.spin().await;
+    }
+}
+
+#[test]
+fn the_lock_excludes() {
+    holds("lock, 2 threads x 1, patience 3", 9, counting(2, 1, Order::Release, 3));
+    holds("lock, 2 threads x 2, patience 2", 100, counting(2, 2, Order::Release, 2));
+    holds("lock, 3 threads x 1, patience 1", 5_000, counting(3, 1, Order::Release, 1));
+}
+
+#[test]
+fn a_relaxed_unlock_of_the_lock_is_caught() {
+    is_caught("lock with a relaxed unlock", counting(2, 1, Order::Relaxed, 3));
+}
+
+#[test]
+fn the_max_array_keeps_the_nearest() {
+    type Array = KPlusArray<Correct>;
+    holds("kplus-array k=1, 2x1", 20, insertion::<Array>(k(1), &[&[5], &[3]], 2));
+    holds("kplus-array k=2, 2x1", 20, insertion::<Array>(k(2), &[&[5], &[3]], 2));
+    holds("kplus-array k=1, 2x2", 300, insertion::<Array>(k(1), &[&[9, 3], &[5, 4]], 1));
+    holds("kplus-array k=2, 2x2", 300, insertion::<Array>(k(2), &[&[9, 3], &[5, 4]], 1));
+    holds("kplus-array k=1, 3x1", 100_000, insertion::<Array>(k(1), &[&[5], &[3], &[4]], 1));
+    holds("kplus-array k=1, 2x2, ties", 300, insertion::<Array>(k(1), &[&[4, 4], &[4, 4]], 1));
+}
+
+/// M1.
+#[test]
+fn a_relaxed_unlock_of_the_max_array_is_caught() {
+    type Fault = KPlusArray<RelaxedUnlock>;
+    is_caught("kplus-array@M1", insertion::<Fault>(k(2), &[&[5], &[3]], 2));
+}
+
+#[test]
+fn a_missing_second_test_is_caught() {
+    type Fault = KPlusArray<OneTest>;
+    is_caught("kplus-array@one-test", insertion::<Fault>(k(1), &[&[5], &[3]], 2));
+}
+
+#[test]
+fn a_non_atomic_counter_is_caught() {
+    is_caught("ab-array@plain-counter", insertion::<AbArray<LoadStore>>(k(4), &[&[5], &[3]], 2));
+}
+
+#[test]
+fn the_other_insertions_lose_nothing() {
+    holds("ab-array, 2x2", 100, insertion::<AbArray<AtomicAdd>>(k(4), &[&[5, 1], &[3, 2]], 2));
+    holds("ab-ll, 2x2", 20_000, insertion::<AbLinkedList>(k(1), &[&[5, 1], &[3, 2]], 2));
+    holds("z-buffer, 3x1", 500, insertion::<ZBuffer>(k(1), &[&[5], &[3], &[3]], 2));
+}
