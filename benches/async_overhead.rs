@@ -105,7 +105,7 @@ fn exclusive(fragments: &[Fragment]) -> [f64; 3] {
     let (scheme, layout) = scheme();
     let pixel = Owned::new(layout.per_pixel(), PIXELS as usize);
     let global = Shared::new(layout.per_frame(), 1);
-    let mem = Exclusive::new(&pixel, &global, &());
+    let mem = Exclusive::new(&pixel, &global, None, &());
     let shape = shape();
     let words = vec![Cell::new(0u32); PIXELS as usize * shape.stride];
     let mut outcomes: Outcomes = [Outcome::Kept; 64];

@@ -1,7 +1,12 @@
 //! What the fuzz targets do, as plain functions, so that a test replays their corpus without libFuzzer.
 //!
-//! Each shows bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
-//! promises that `fragloom::scene` makes.
+//! Four show bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
+//! promises that `fragloom::scene` makes. The fifth makes triangles of bytes, and holds the rasterizer against
+//! the reference.
+
+mod raster;
+
+pub use raster::raster;
 
 use fragloom::error::{Error, Result};
 use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};

@@ -5,11 +5,12 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 4] = [
+    let targets: [(&str, fn(&[u8])); 5] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
         ("toml", fragloom_fuzz::toml),
+        ("raster", fragloom_fuzz::raster),
     ];
     for (name, target) in targets {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name);

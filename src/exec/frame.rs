@@ -73,6 +73,13 @@ impl<'a> Finisher<'a> {
         Self { job, tile, output }
     }
 
+    /// Make room for the keys of a tile with these counts.
+    pub fn reserve(&mut self, generated: &[u32]) {
+        let nearest = self.job.nearest.unwrap_or(u32::MAX);
+        let most: usize = generated.iter().map(|&g| g.min(nearest) as usize).sum();
+        self.output.keys.reserve_exact(most);
+    }
+
     /// The next pixel: its keys in any order, and its counts.
     #[inline]
     pub fn pixel(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
@@ -120,6 +127,7 @@ pub fn resolve_tile<S: Scheme, M: Memory>(
     reports: &Tally,
 ) -> TileOutput {
     let mut keys = Keys::new();
+    finisher.reserve(&counts.generated);
     for (pixel, (&generated, &gone)) in (first..).zip(counts.generated.iter().zip(&counts.gone)) {
         keys.clear();
         drive::resolve(scheme, mem, pixel, &mut keys);

@@ -39,6 +39,8 @@ pub struct Job<'a> {
     pub nearest: Option<u32>,
     /// Whether the method may lose fragments in races, so that lists are compared with what was generated.
     pub racy: bool,
+    /// Fragments in all tiles before each tile, if they were counted; else empty.
+    pub before_tile: Vec<u64>,
     /// Worker threads.
     pub threads: usize,
 }

@@ -1,5 +1,7 @@
 //! Tiles in parallel: a worker owns a tile's pixels, so their memory is plain cells.
 
+use std::cell::Cell;
+
 use rayon::prelude::*;
 
 use super::account::Tally;
@@ -55,7 +57,8 @@ impl Worker {
     ) -> (TileOutput, Counters) {
         let grid = &job.front.grid;
         let observer = O::default();
-        let mem = Exclusive::new(&self.memory, global, &observer);
+        let next = job.before_tile.get(tile).map(|&before| Cell::new(before as u32));
+        let mem = Exclusive::new(&self.memory, global, next.as_ref(), &observer);
         self.counts.reset(grid.pixels_per_tile());
         let mut reports = Tally::default();
         let mut outcomes: Outcomes = [Outcome::Kept; 64];

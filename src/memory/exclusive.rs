@@ -1,24 +1,35 @@
 //! Exclusive memory: plain cells for the pixels of a tile that one worker owns; what belongs to the frame stays
 //! atomic and shared. The same scheme and the same result, without the price of atomics.
+//!
+//! A tile that knows how many fragments come before its own takes pool indices from its own range: no two workers write
+//! the same cache line of a pool, and which fragment gets which index does not depend on them.
 
+use std::cell::Cell;
 use std::future::{Future, ready};
 
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
-use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Space, Update, Word};
+use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Pool, Space, Update, Word};
 
 /// One worker's handle.
 #[derive(Clone, Copy, Debug)]
 pub struct Exclusive<'a, O> {
     pixel: OwnedView<'a>,
     global: SharedView<'a>,
+    /// The next index of the tile's own range of every pool.
+    next: Option<&'a Cell<u32>>,
     observer: &'a O,
 }
 
 impl<'a, O: Observer> Exclusive<'a, O> {
-    /// A handle that reports to `observer`.
+    /// A handle that reports to `observer`. `next` is the first index of the tile's range in pools, if it has one.
     #[must_use]
-    pub fn new(pixel: &'a Owned, global: &'a Shared, observer: &'a O) -> Self {
-        Self { pixel: pixel.view(), global: global.view(), observer }
+    pub fn new(
+        pixel: &'a Owned,
+        global: &'a Shared,
+        next: Option<&'a Cell<u32>>,
+        observer: &'a O,
+    ) -> Self {
+        Self { pixel: pixel.view(), global: global.view(), next, observer }
     }
 }
 
@@ -64,6 +75,16 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         };
         self.observer.update(update, old);
         ready(old)
+    }
+
+    #[inline(always)]
+    fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
+        let index = match self.next {
+            Some(next) => next.replace(next.get() + 1),
+            None => self.global.update(pool.counter(), Update::Add(1), Order::Relaxed),
+        };
+        self.observer.update(Update::Add(1u32), index);
+        ready(index)
     }
 
     /// Nobody else can be waited for: a scheme that spins here would spin for ever, and a pixel's lock is always free.

@@ -116,6 +116,19 @@ impl<S, K, W> Words<S, K, W> {
     }
 }
 
+/// A pool of the frame: a counter whose value is the next free index.
+#[derive(Clone, Copy, Debug)]
+pub struct Pool(Words<Global, Atomic, u32>);
+
+impl Pool {
+    /// The counter.
+    #[inline(always)]
+    #[must_use]
+    pub fn counter(self) -> At<Global, Atomic, u32> {
+        self.0.at(0)
+    }
+}
+
 /// Sizes of one space's two records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
@@ -149,6 +162,11 @@ impl Layout {
     /// Declare `count` words for the frame.
     pub fn global<K: Kind, W: Word>(&mut self, count: u64) -> Words<Global, K, W> {
         Words::take(&mut self.global, count)
+    }
+
+    /// Declare a pool from which every fragment takes at most one index.
+    pub fn pool(&mut self) -> Pool {
+        Pool(self.global(1))
     }
 
     /// Words of one pixel.

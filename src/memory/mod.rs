@@ -26,7 +26,7 @@ use std::future::Future;
 
 pub use both::{Both, both};
 pub use count::{Counters, Observer};
-pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Space, Words};
+pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Pool, Space, Words};
 pub use word::Word;
 
 /// How an atomic operation is ordered against others, as in C++ and Rust (there is no sequentially consistent one:
@@ -143,6 +143,13 @@ pub trait Memory {
 
     /// Say that this invocation waits for another one and is about to try again.
     fn spin(&self) -> impl Future<Output = ()> + Unpin;
+
+    /// Take a pool's next index: `atomicAdd` of 1 (or GLSL's `atomicCounterIncrement`). A memory that knows which
+    /// indices its invocations will need may hand them out without asking anybody.
+    #[inline(always)]
+    fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
+        self.update(pool.counter(), Update::Add(1), Order::Relaxed)
+    }
 
     /// `atomicLoad`
     #[inline(always)]

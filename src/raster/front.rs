@@ -139,15 +139,15 @@ impl FrontEnd {
         });
     }
 
-    /// Fragments of the whole scene in one geometry pass, without generating them.
+    /// Fragments of each tile in one geometry pass, without generating them.
     #[must_use]
-    pub fn count_fragments(&self) -> u64 {
+    pub fn count_fragments(&self) -> Vec<u64> {
         let tile = |t: usize| {
             let mut sum = 0;
             self.packets(t, |p| sum += u64::from(p.mask.count_ones()));
             sum
         };
-        (0..self.grid.tiles()).into_par_iter().map(tile).sum()
+        (0..self.grid.tiles()).into_par_iter().map(tile).collect()
     }
 
     /// The largest number of fragments at any pixel.

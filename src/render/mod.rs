@@ -76,7 +76,7 @@ fn draw(
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
     watch.lap("setup");
     let k = options.k.or(contract.default_k);
-    let config = configure(&front, contract, k);
+    let (config, before_tile) = configure(&front, contract, k);
     watch.lap("count");
     let job = Job {
         front: &front,
@@ -84,6 +84,7 @@ fn draw(
         background: scene.background.map(word16),
         nearest: contract.reference_k(k),
         racy: contract.racy,
+        before_tile,
         threads,
     };
     let run = Run { job: &job, config, options, fingerprint: fingerprint(scene, options) };
@@ -104,17 +105,25 @@ fn draw(
     Ok(Rendering { image, lists, report, schedule: executed.schedule })
 }
 
-/// What the method must know of the scene, measured only if it must.
-fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> Config {
+/// What the method must know of the scene, measured only if it must; and the fragments before each tile.
+fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, Vec<u64>) {
     let mut config = Config { k, generated: 0, max_depth_complexity: 0 };
+    let mut before_tile = Vec::new();
     match contract.demand {
-        Demand::Generated => config.generated = front.count_fragments(),
+        Demand::Generated => {
+            before_tile = front.count_fragments();
+            for count in &mut before_tile {
+                let before = config.generated;
+                config.generated += *count;
+                *count = before;
+            }
+        }
         Demand::MaxDepthComplexity if k.is_none() => {
             config.max_depth_complexity = front.max_depth_complexity();
         }
         _ => {}
     }
-    config
+    (config, before_tile)
 }
 
 fn record(options: &Options, contract: &Contract) -> Record {

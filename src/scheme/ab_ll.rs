@@ -6,7 +6,7 @@
 //! barrier. The pool holds as many nodes as the scene has fragments.
 
 use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Words};
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -20,7 +20,7 @@ const NODE: u64 = 3;
 #[derive(Debug)]
 pub struct AbLinkedList {
     head: Words<Pixel, Atomic, u32>,
-    allocated: Words<Global, Atomic, u32>,
+    pool: Pool,
     nodes: Words<Global, Plain, u32>,
     capacity: u64,
 }
@@ -52,14 +52,14 @@ impl Scheme for AbLinkedList {
         let capacity = config.generated.min(u64::from(NONE));
         Self {
             head: layout.pixel(1),
-            allocated: layout.global(1),
+            pool: layout.pool(),
             nodes: layout.global(NODE * capacity),
             capacity,
         }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        mem.store(self.allocated.at(0), 0, Order::Relaxed).await;
+        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
@@ -67,7 +67,7 @@ impl Scheme for AbLinkedList {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let node = mem.add(self.allocated.at(0), 1, Order::Relaxed).await;
+        let node = mem.take(self.pool).await;
         if u64::from(node) >= self.capacity {
             return Outcome::Pool;
         }
