@@ -1,7 +1,7 @@
 //! The fast rasterizer against the reference, which is right by reading.
 
 use fragloom::num::random::Random;
-use fragloom::raster::clip::{GUARD_BAND, Polygon, Snapped, UNITS, Viewport};
+use fragloom::raster::clip::{GUARD_BAND, Polygon, Snapped, UNITS, Viewport, doubled_area};
 use fragloom::raster::naive;
 use fragloom::raster::plane::DepthPlane;
 use fragloom::raster::primitive::{Primitive, Rect, Setup};
@@ -98,15 +98,48 @@ fn triangle(random: &mut Random) -> [Snapped; 3] {
     v
 }
 
+/// A fan around a point with its rim in order of angle, if it goes round exactly once: its triangles share their inner
+/// edges and do not overlap.
+fn fan(random: &mut Random) -> Vec<[Snapped; 3]> {
+    let kind = random.below(5);
+    let mut point = |random: &mut Random| Snapped {
+        x: coordinate(kind, WIDTH, random),
+        y: coordinate(kind, HEIGHT, random),
+        z: depth(random),
+    };
+    let center = point(random);
+    let mut rim: Vec<Snapped> = (0..3 + random.below(12)).map(|_| point(random)).collect();
+    let angle = |p: &Snapped| {
+        libm::atan2(f64::from(p.y) - f64::from(center.y), f64::from(p.x) - f64::from(center.x))
+    };
+    rim.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let triangles: Vec<[Snapped; 3]> =
+        (0..rim.len()).map(|i| [center, rim[i], rim[(i + 1) % rim.len()]]).collect();
+    if triangles.iter().all(|&t| doubled_area(t) > 0) { triangles } else { Vec::new() }
+}
+
+/// The random soup: general, slivers, tiny, huge and off-screen triangles, and fans whose pixels are hit at most once.
 #[test]
 fn fast_equals_naive_on_random_triangles() {
     let mut random = Random::new(1, 0);
-    let (mut fragments, mut triangles) = (0, 0u64);
+    let (mut fragments, mut triangles, mut fans) = (0, 0u64, 0u64);
     while fragments < fragment_goal() {
         fragments += compare(&Polygon::new(&triangle(&mut random)));
         triangles += 1;
+        let fan = fan(&mut random);
+        let mut hits = vec![0; (WIDTH * HEIGHT) as usize];
+        for &part in &fan {
+            fragments += compare(&Polygon::new(&part));
+            for (hit, code) in hits.iter_mut().zip(fast(&Polygon::new(&part))) {
+                *hit += u32::from(code.is_some());
+            }
+        }
+        assert!(hits.iter().all(|&h| h <= 1), "a shared edge was hit twice: {fan:?}");
+        triangles += fan.len() as u64;
+        fans += u64::from(!fan.is_empty());
     }
-    println!("{fragments} fragments of {triangles} triangles, 0 differences");
+    assert!(fans > 0);
+    println!("{fragments} fragments of {triangles} triangles, {fans} fans among them: 0 differences");
 }
 
 /// Triangles in clip space that cross every plane.

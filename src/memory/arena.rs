@@ -5,6 +5,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, AtomicU64};
 
 use super::layout::{At, Sizes};
+use super::word::{Atomics, Cells};
 use super::{Access, Kind, Order, Space, Update, Word};
 
 /// Words that many threads share. Plain words are relaxed atomics too, as safe Rust demands; on the machines at hand
@@ -28,16 +29,14 @@ pub struct Owned {
 /// sizes not to change between operations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SharedView<'a> {
-    pub(super) words32: &'a [AtomicU32],
-    pub(super) words64: &'a [AtomicU64],
+    words: Atomics<'a>,
     stride: Sizes,
 }
 
 /// The same of owned words.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnedView<'a> {
-    pub(super) words32: &'a [Cell<u32>],
-    pub(super) words64: &'a [Cell<u64>],
+    words: Cells<'a>,
     stride: Sizes,
 }
 
@@ -78,13 +77,13 @@ impl Shared {
 
 impl Shared {
     pub(super) fn view(&self) -> SharedView<'_> {
-        SharedView { words32: &self.words32, words64: &self.words64, stride: self.stride }
+        SharedView { words: (&self.words32, &self.words64), stride: self.stride }
     }
 }
 
 impl Owned {
     pub(super) fn view(&self) -> OwnedView<'_> {
-        OwnedView { words32: &self.words32, words64: &self.words64, stride: self.stride }
+        OwnedView { words: (&self.words32, &self.words64), stride: self.stride }
     }
 
     /// `records` records of the given sizes, all zero.
@@ -113,7 +112,7 @@ impl Arena for SharedView<'_> {
             Access::Plain => Order::Relaxed,
             Access::Atomic(order) => order,
         };
-        W::shared_load(self, index(&self.stride, at), order.for_load())
+        W::shared_load(self.words, index(&self.stride, at), order.for_load())
     }
 
     #[inline(always)]
@@ -122,12 +121,12 @@ impl Arena for SharedView<'_> {
             Access::Plain => Order::Relaxed,
             Access::Atomic(order) => order,
         };
-        W::shared_store(self, index(&self.stride, at), value, order.for_store());
+        W::shared_store(self.words, index(&self.stride, at), value, order.for_store());
     }
 
     #[inline(always)]
     fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, order: Order) -> W {
-        W::shared_update(self, index(&self.stride, at), u, order)
+        W::shared_update(self.words, index(&self.stride, at), u, order)
     }
 }
 
@@ -135,17 +134,17 @@ impl Arena for SharedView<'_> {
 impl Arena for OwnedView<'_> {
     #[inline(always)]
     fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, _: Access) -> W {
-        W::owned(self)[index(&self.stride, at)].get()
+        W::owned(self.words)[index(&self.stride, at)].get()
     }
 
     #[inline(always)]
     fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, _: Access) {
-        W::owned(self)[index(&self.stride, at)].set(value);
+        W::owned(self.words)[index(&self.stride, at)].set(value);
     }
 
     #[inline(always)]
     fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, _: Order) -> W {
-        let cell = &W::owned(self)[index(&self.stride, at)];
+        let cell = &W::owned(self.words)[index(&self.stride, at)];
         let old = cell.get();
         cell.set(u.apply(old));
         old

@@ -5,7 +5,6 @@ use std::fmt::Debug;
 use std::hash::Hash;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use super::arena::{OwnedView, SharedView};
 use super::{Order, Update};
 
 mod sealed {
@@ -14,7 +13,14 @@ mod sealed {
     impl Sealed for u64 {}
 }
 
+/// 32-bit and 64-bit words that one thread owns.
+pub(super) type Cells<'a> = (&'a [Cell<u32>], &'a [Cell<u64>]);
+
+/// 32-bit and 64-bit words that threads share.
+pub(super) type Atomics<'a> = (&'a [AtomicU32], &'a [AtomicU64]);
+
 /// `u32` or `u64`.
+#[allow(private_interfaces, reason = "the hidden functions are for this module's memories alone")]
 pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + 'static {
     /// 32 or 64.
     const BITS: u32;
@@ -32,17 +38,17 @@ pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + '
     #[doc(hidden)]
     fn or(self, other: Self) -> Self;
     #[doc(hidden)]
-    fn owned<'a>(arena: &OwnedView<'a>) -> &'a [Cell<Self>];
+    fn owned(cells: Cells<'_>) -> &[Cell<Self>];
     #[doc(hidden)]
-    fn shared_load(arena: &SharedView<'_>, index: usize, ordering: Ordering) -> Self;
+    fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Self;
     #[doc(hidden)]
-    fn shared_store(arena: &SharedView<'_>, index: usize, value: Self, ordering: Ordering);
+    fn shared_store(atomics: Atomics<'_>, index: usize, value: Self, ordering: Ordering);
     #[doc(hidden)]
-    fn shared_update(arena: &SharedView<'_>, index: usize, update: Update<Self>, order: Order) -> Self;
+    fn shared_update(atomics: Atomics<'_>, index: usize, update: Update<Self>, order: Order) -> Self;
 }
 
 macro_rules! word {
-    ($word:ty, $bits:literal, $atomic:ty, $field:ident) => {
+    ($word:ty, $bits:literal, $atomic:ty, $half:tt) => {
         #[allow(clippy::inline_always, reason = "see `Memory`")]
         impl Word for $word {
             const BITS: u32 = $bits;
@@ -73,28 +79,28 @@ macro_rules! word {
             }
 
             #[inline(always)]
-            fn owned<'a>(arena: &OwnedView<'a>) -> &'a [Cell<Self>] {
-                arena.$field
+            fn owned(cells: Cells<'_>) -> &[Cell<Self>] {
+                cells.$half
             }
 
             #[inline(always)]
-            fn shared_load(arena: &SharedView<'_>, index: usize, ordering: Ordering) -> Self {
-                arena.$field[index].load(ordering)
+            fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Self {
+                atomics.$half[index].load(ordering)
             }
 
             #[inline(always)]
-            fn shared_store(arena: &SharedView<'_>, index: usize, value: Self, ordering: Ordering) {
-                arena.$field[index].store(value, ordering);
+            fn shared_store(atomics: Atomics<'_>, index: usize, value: Self, ordering: Ordering) {
+                atomics.$half[index].store(value, ordering);
             }
 
             #[inline(always)]
             fn shared_update(
-                arena: &SharedView<'_>,
+                atomics: Atomics<'_>,
                 index: usize,
                 update: Update<Self>,
                 order: Order,
             ) -> Self {
-                let cell: &$atomic = &arena.$field[index];
+                let cell: &$atomic = &atomics.$half[index];
                 let ordering = order.for_update();
                 match update {
                     Update::Exchange(v) => cell.swap(v, ordering),
@@ -114,8 +120,8 @@ macro_rules! word {
     };
 }
 
-word!(u32, 32, AtomicU32, words32);
-word!(u64, 64, AtomicU64, words64);
+word!(u32, 32, AtomicU32, 0);
+word!(u64, 64, AtomicU64, 1);
 
 #[allow(clippy::inline_always, reason = "see `Memory`")]
 impl Order {

@@ -1,5 +1,5 @@
-//! An object in place: its vertices in clip space and its normals in world space, in f64, by sums of products in the
-//! order written (not the matrix library's), so that they are the same everywhere.
+//! An object in place: its vertices in clip space and its normals in world space, in scalar f64, by sums of products in
+//! a fixed order, so that they are the same everywhere.
 
 use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;

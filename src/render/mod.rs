@@ -39,6 +39,9 @@ pub struct Rendering {
 /// What simulated memory holds before the clear pass: a scheme must not rely on zeroes.
 const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 
+/// What the executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
+const HOST_BYTES: u64 = 32;
+
 /// Draw `scene`.
 ///
 /// # Errors
@@ -203,7 +206,8 @@ impl Run<'_> {
             Exec::Tile => self.job.threads * grid.pixels_per_tile(),
             Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
         };
-        let (bytes, limit) = (layout.bytes(pixels as u64), self.options.max_memory);
+        let own = HOST_BYTES * grid.storage_pixels() as u64;
+        let (bytes, limit) = (layout.bytes(pixels as u64).saturating_add(own), self.options.max_memory);
         if bytes <= limit {
             return Ok(());
         }

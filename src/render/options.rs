@@ -32,7 +32,8 @@ pub struct Options {
     pub cull_face: CullFace,
     /// Count memory operations.
     pub counters: bool,
-    /// Bytes of scheme memory above which a run is refused before anything is allocated.
+    /// Bytes above which a run is refused before they are allocated: the method's storage and what executors keep of
+    /// every pixel. Kept fragments come on top, 8 bytes each.
     pub max_memory: u64,
 }
 
