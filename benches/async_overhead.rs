@@ -79,7 +79,8 @@ fn native(fragments: &[Fragment]) -> [f64; 3] {
     let global = Shared::new(layout.per_frame(), 1);
     let mem = Native::new(&pixel, &global, &());
     let shape = shape();
-    let words: Vec<AtomicU32> = (0..PIXELS as usize * shape.stride).map(|_| AtomicU32::new(0)).collect();
+    let words: Vec<AtomicU32> =
+        (0..PIXELS as usize * shape.stride).map(|_| AtomicU32::new(0)).collect();
     let mut outcomes: Outcomes = [Outcome::Kept; 64];
     let mut plain_outcomes: Outcomes = [Outcome::Kept; 64];
     paired(

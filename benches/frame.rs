@@ -8,13 +8,15 @@ use fragloom::render::{Exec, Options, render};
 use fragloom::scene::{self, Overrides};
 use support::median;
 
-const SCENES: [&str; 3] =
-    ["layers:count=10", "synthetic:n=20", "synthetic:n=20,tessellation=64"];
+const SCENES: [&str; 3] = ["layers:count=10", "synthetic:n=20", "synthetic:n=20,tessellation=64"];
 const METHODS: [&str; 4] = ["z-buffer", "ab-ll", "ab-array", "kplus-array"];
 const RUNS: usize = 7;
 
 fn main() {
-    println!("{:<32} {:<8} {:<12} {:>6} {:>7} {:>7} {:>7} {:>7}", "scene", "exec", "method", "Mfrag", "setup", "draw", "ns/frag", "ratio");
+    println!(
+        "{:<32} {:<8} {:<12} {:>6} {:>7} {:>7} {:>7} {:>7}",
+        "scene", "exec", "method", "Mfrag", "setup", "draw", "ns/frag", "ratio"
+    );
     for source in SCENES {
         let scene = scene::load(source, &Overrides::default()).expect("a built-in scene");
         for exec in [Exec::Tile, Exec::Threads] {
@@ -26,9 +28,8 @@ fn main() {
                     counters: false,
                     ..Options::default()
                 };
-                let reports: Vec<_> = (0..RUNS)
-                    .map(|_| render(&scene, &options).expect("a frame").report)
-                    .collect();
+                let reports: Vec<_> =
+                    (0..RUNS).map(|_| render(&scene, &options).expect("a frame").report).collect();
                 let phase = |name: &str| median(reports.iter().map(|r| r.seconds[name]).collect());
                 let draw = phase("draw") + phase("count");
                 let generated = reports[0].generated as f64;

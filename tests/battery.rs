@@ -73,7 +73,11 @@ fn order_independent_methods_give_the_exact_lists() {
             let expected = reference(&scene, contract, k);
             for exec in executors() {
                 let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
-                assert_eq!(drawn.lists, expected, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+                assert_eq!(
+                    drawn.lists, expected,
+                    "{} k {k:?} {exec:?} {}",
+                    contract.name, scene.name
+                );
             }
         }
     }
@@ -86,7 +90,11 @@ fn every_method_is_exact_one_invocation_after_another() {
             let expected = reference(&scene, contract, k);
             for exec in [Exec::Tile, sim(Policy::Order, 0), sim(Policy::Reverse, 0)] {
                 let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
-                assert_eq!(drawn.lists, expected, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+                assert_eq!(
+                    drawn.lists, expected,
+                    "{} k {k:?} {exec:?} {}",
+                    contract.name, scene.name
+                );
             }
         }
     }
@@ -112,8 +120,18 @@ fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
             if contract.arrival_dependent {
                 continue;
             }
-            assert_eq!(draw(&scene, &options(contract.name, Some(1))).lists, nearest, "{}", contract.name);
-            assert_eq!(draw(&scene, &options(contract.name, Some(64))).lists, all, "{}", contract.name);
+            assert_eq!(
+                draw(&scene, &options(contract.name, Some(1))).lists,
+                nearest,
+                "{}",
+                contract.name
+            );
+            assert_eq!(
+                draw(&scene, &options(contract.name, Some(64))).lists,
+                all,
+                "{}",
+                contract.name
+            );
         }
     }
 }
@@ -172,7 +190,8 @@ fn formula(text: &str, value: u64) -> u64 {
 fn storage_is_what_the_formula_says() {
     for contract in contracts() {
         for k in [1, 2, 8, 33] {
-            let words = catalogue::visit(contract.name, PixelWords { k }).expect("in the catalogue");
+            let words =
+                catalogue::visit(contract.name, PixelWords { k }).expect("in the catalogue");
             if let Some(words) = words {
                 assert_eq!(words, formula(contract.words, u64::from(k)), "{} k {k}", contract.name);
             }
@@ -205,7 +224,11 @@ fn nothing_is_invented() {
             for x in 0..48 {
                 let (kept, generated) = (lists.pixel(x, y), all.pixel(x, y));
                 assert!(kept.is_sorted());
-                assert!(kept.iter().all(|key| generated.contains(key)), "{} {x} {y}", contract.name);
+                assert!(
+                    kept.iter().all(|key| generated.contains(key)),
+                    "{} {x} {y}",
+                    contract.name
+                );
             }
         }
     }

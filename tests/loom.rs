@@ -149,12 +149,7 @@ fn counting(threads: u32, rounds: u32, unlock: Order, patience: u32) -> impl Fn(
     }
 }
 
-async fn raise_once(
-    mem: &Loom<'_>,
-    lock: SpinLock,
-    word: Words<Pixel, Plain, u32>,
-    unlock: Order,
-) {
+async fn raise_once(mem: &Loom<'_>, lock: SpinLock, word: Words<Pixel, Plain, u32>, unlock: Order) {
     loop {
         if lock.try_acquire(mem, 0).await == FREE {
             let value = mem.plain_load(word.at(0, 0)).await;

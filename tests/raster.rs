@@ -51,7 +51,9 @@ fn compare(polygon: &Polygon) -> u64 {
 /// A coordinate in grid units, of one of several characters.
 fn coordinate(kind: u64, extent: u32, random: &mut Random) -> i32 {
     let extent = i64::from(extent) * i64::from(UNITS);
-    let any = |random: &mut Random, low: i64, high: i64| (low + random.below((high - low + 1) as u64) as i64) as i32;
+    let any = |random: &mut Random, low: i64, high: i64| {
+        (low + random.below((high - low + 1) as u64) as i64) as i32
+    };
     match kind {
         0 => any(random, 0, extent),
         1 => any(random, -extent, 2 * extent),
@@ -102,7 +104,7 @@ fn triangle(random: &mut Random) -> [Snapped; 3] {
 /// edges and do not overlap.
 fn fan(random: &mut Random) -> Vec<[Snapped; 3]> {
     let kind = random.below(5);
-    let mut point = |random: &mut Random| Snapped {
+    let point = |random: &mut Random| Snapped {
         x: coordinate(kind, WIDTH, random),
         y: coordinate(kind, HEIGHT, random),
         z: depth(random),
@@ -139,7 +141,9 @@ fn fast_equals_naive_on_random_triangles() {
         fans += u64::from(!fan.is_empty());
     }
     assert!(fans > 0);
-    println!("{fragments} fragments of {triangles} triangles, {fans} fans among them: 0 differences");
+    println!(
+        "{fragments} fragments of {triangles} triangles, {fans} fans among them: 0 differences"
+    );
 }
 
 /// Triangles in clip space that cross every plane.
@@ -180,7 +184,7 @@ proptest! {
         // Pixels well inside the smallest radius around the centre cannot be missed.
         let least = radii.iter().copied().fold(f64::MAX, f64::min) * inner_share(radii.len());
         for (i, &h) in hits.iter().enumerate() {
-            let (x, y) = ((i as u32 % WIDTH) as f64 + 0.5, (i as u32 / WIDTH) as f64 + 0.5);
+            let (x, y) = (f64::from(i as u32 % WIDTH) + 0.5, f64::from(i as u32 / WIDTH) + 0.5);
             let d = ((x - center.0) * (x - center.0) + (y - center.1) * (y - center.1)).sqrt();
             if d < least - 0.1 {
                 prop_assert_eq!(h, 1, "pixel {} {}", x, y);

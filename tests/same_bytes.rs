@@ -7,8 +7,8 @@ mod support;
 use fragloom::fragment::Data;
 use fragloom::num::depth::Format;
 use fragloom::render::{Exec, Options};
-use fragloom::scheme::contracts;
 use fragloom::scheme::contract::Form;
+use fragloom::scheme::contracts;
 use support::{draw, options, policies, scene, sim, small_scenes};
 
 /// All ways to run.
@@ -26,14 +26,16 @@ fn configurations() -> Vec<(usize, u32, Exec)> {
 
 #[test]
 fn whatever_runs_it() {
-    let methods = contracts().into_iter().filter(|c| c.order_independent() && c.form == Form::Correct);
+    let methods =
+        contracts().into_iter().filter(|c| c.order_independent() && c.form == Form::Correct);
     let mut runs = 0;
     for contract in methods {
         for scene in small_scenes() {
             let base = options(contract.name, contract.default_k.map(|_| 3));
             let expected = draw(&scene, &base);
             for (threads, tile, exec) in configurations() {
-                let drawn = draw(&scene, &Options { threads, tile, exec: exec.clone(), ..base.clone() });
+                let drawn =
+                    draw(&scene, &Options { threads, tile, exec: exec.clone(), ..base.clone() });
                 let what = format!("{} {} {threads} {tile} {exec:?}", contract.name, scene.name);
                 assert_eq!(drawn.report.image_hash, expected.report.image_hash, "{what}");
                 assert_eq!(drawn.report.fragments_hash, expected.report.fragments_hash, "{what}");
@@ -50,7 +52,11 @@ fn other_depth_formats_and_data_words() {
     let scene = scene("cubes", [40, 40]);
     for depth_format in Format::ALL {
         for data in [Data::Color, Data::Primitive] {
-            let base = Options { depth_format: Some(depth_format), data, ..options("kplus-array", Some(4)) };
+            let base = Options {
+                depth_format: Some(depth_format),
+                data,
+                ..options("kplus-array", Some(4))
+            };
             let exact = draw(&scene, &Options { method: "exact".to_owned(), ..base.clone() });
             for exec in [Exec::Tile, Exec::Threads, sim(fragloom::render::Policy::Random, 3)] {
                 let drawn = draw(&scene, &Options { exec, ..base.clone() });
@@ -79,11 +85,13 @@ fn primitive_words_give_the_same_picture() {
 fn a_recorded_schedule_runs_again_exactly() {
     use fragloom::render::{Policy, Sim};
     let scene = scene("synthetic:n=10", [20, 20]);
-    for method in ["kb", "kplus-array", "kplus-array@published", "ab-ll", "ab-array@plain-counter"] {
+    for method in ["kb", "kplus-array", "kplus-array@published", "ab-ll", "ab-array@plain-counter"]
+    {
         for policy in [Policy::Random, Policy::Warp(4), Policy::RoundRobin] {
             let recording = Sim { policy, seed: 9, resident: 64, record: true };
             let base = options(method, Some(3));
-            let first = draw(&scene, &Options { exec: Exec::Sim(recording.clone()), ..base.clone() });
+            let first =
+                draw(&scene, &Options { exec: Exec::Sim(recording.clone()), ..base.clone() });
             let schedule = first.schedule.clone().expect("it was recorded");
             let again = Sim { policy: Policy::Recorded(schedule.clone()), ..recording };
             let second = draw(&scene, &Options { exec: Exec::Sim(again), ..base });

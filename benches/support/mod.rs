@@ -20,7 +20,8 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
 /// Medians over `pairs` alternating runs, after one that is not counted: seconds of `a`, of `b`, and the ratio a / b.
 #[allow(dead_code, reason = "each benchmark uses its own part")]
 pub(crate) fn paired(pairs: usize, mut a: impl FnMut(), mut b: impl FnMut()) -> [f64; 3] {
-    (a(), b());
+    a();
+    b();
     let runs: Vec<[f64; 2]> = (0..pairs).map(|_| [time(&mut a), time(&mut b)]).collect();
     [
         median(runs.iter().map(|r| r[0]).collect()),

@@ -115,9 +115,8 @@ fn store_pass<S: Scheme, O: Observer + Default>(
             scope.spawn(move || rasterize(job, next_tile, generated, &sender));
         }
         drop(sender);
-        let work = || {
-            shared.with(|mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, &stored.gone))
-        };
+        let work =
+            || shared.with(|mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, &stored.gone));
         let workers: Vec<_> = (0..job.threads).map(|_| scope.spawn(work)).collect();
         let mut sum = Tally::default();
         for worker in workers {

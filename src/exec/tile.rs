@@ -4,10 +4,10 @@ use std::cell::Cell;
 
 use rayon::prelude::*;
 
+use super::Job;
 use super::account::Tally;
 use super::drive::{self, Outcomes};
 use super::frame::{Finisher, Frame, PixelCounts, TileOutput, resolve_tile};
-use super::Job;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::native::Native;

@@ -153,7 +153,11 @@ pub trait Memory {
 
     /// `atomicLoad`
     #[inline(always)]
-    fn load<S: Space, W: Word>(&self, at: At<S, Atomic, W>, order: Order) -> impl Future<Output = W> + Unpin {
+    fn load<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        order: Order,
+    ) -> impl Future<Output = W> + Unpin {
         self.read(at, Access::Atomic(order))
     }
 
@@ -170,7 +174,10 @@ pub trait Memory {
 
     /// Read a plain word.
     #[inline(always)]
-    fn plain_load<S: Space, W: Word>(&self, at: At<S, Plain, W>) -> impl Future<Output = W> + Unpin {
+    fn plain_load<S: Space, W: Word>(
+        &self,
+        at: At<S, Plain, W>,
+    ) -> impl Future<Output = W> + Unpin {
         self.read(at, Access::Plain)
     }
 

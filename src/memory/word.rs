@@ -44,7 +44,12 @@ pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + '
     #[doc(hidden)]
     fn shared_store(atomics: Atomics<'_>, index: usize, value: Self, ordering: Ordering);
     #[doc(hidden)]
-    fn shared_update(atomics: Atomics<'_>, index: usize, update: Update<Self>, order: Order) -> Self;
+    fn shared_update(
+        atomics: Atomics<'_>,
+        index: usize,
+        update: Update<Self>,
+        order: Order,
+    ) -> Self;
 }
 
 macro_rules! word {

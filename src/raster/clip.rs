@@ -27,7 +27,7 @@ pub struct Viewport {
 }
 
 /// A vertex on the grid: x right and y down in units of 1/256 pixel, and a depth code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Snapped {
     /// Within ±`GUARD_BAND` * `UNITS`.
     pub x: i32,
@@ -119,12 +119,6 @@ fn between(inside: DVec4, outside: DVec4, d_in: f64, d_out: f64) -> DVec4 {
 pub struct Polygon {
     vertices: [Snapped; 9],
     len: usize,
-}
-
-impl Default for Snapped {
-    fn default() -> Self {
-        Self { x: 0, y: 0, z: 0 }
-    }
 }
 
 impl Polygon {

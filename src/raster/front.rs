@@ -197,7 +197,8 @@ impl Chunk {
     fn of_screen(triangles: &[ScreenTriangle], first: u32, target: Target) -> Self {
         let mut chunk = Self::default();
         for (index, triangle) in (first..).zip(triangles) {
-            let polygon = Polygon::new(&triangle.points.map(|[x, y, z]| target.viewport.snap(x, y, z)));
+            let polygon =
+                Polygon::new(&triangle.points.map(|[x, y, z]| target.viewport.snap(x, y, z)));
             let [r, g, b, alpha] = triangle.color;
             let word = color::rgba8([r, g, b], alpha);
             chunk.add(target, index, &polygon, |_, _| Surface::Uniform(word));

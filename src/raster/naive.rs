@@ -11,20 +11,19 @@ use super::plane::coefficients;
 #[must_use]
 pub fn fragment(polygon: &Polygon, x: u32, y: u32) -> Option<u32> {
     let center = [x, y].map(|v| i128::from(v) * i128::from(UNITS) + i128::from(UNITS / 2));
-    let sum: i64 = polygon.fan().map(|t| i64::from(covers(t, center)) * doubled_area(t).signum()).sum();
+    let sum: i64 =
+        polygon.fan().map(|t| i64::from(covers(t, center)) * doubled_area(t).signum()).sum();
     let triple = largest_triple(polygon)?;
     (sum * polygon.doubled_area().signum() > 0).then(|| depth(polygon, triple, x, y))
 }
 
 /// Whether a triangle covers a point in grid units; one of zero area covers nothing.
 fn covers(triangle: [Snapped; 3], [px, py]: [i128; 2]) -> bool {
-    let [a, b, c] = if doubled_area(triangle) < 0 {
-        [triangle[0], triangle[2], triangle[1]]
-    } else {
-        triangle
-    };
+    let [a, b, c] =
+        if doubled_area(triangle) < 0 { [triangle[0], triangle[2], triangle[1]] } else { triangle };
     let inside = |from: Snapped, to: Snapped| {
-        let (dx, dy) = (i128::from(to.x) - i128::from(from.x), i128::from(to.y) - i128::from(from.y));
+        let (dx, dy) =
+            (i128::from(to.x) - i128::from(from.x), i128::from(to.y) - i128::from(from.y));
         let side = dx * (py - i128::from(from.y)) - dy * (px - i128::from(from.x));
         let (top, left) = (dy == 0 && dx > 0, dy < 0);
         side > 0 || (side == 0 && (top || left))
@@ -35,7 +34,8 @@ fn covers(triangle: [Snapped; 3], [px, py]: [i128; 2]) -> bool {
 fn largest_triple(polygon: &Polygon) -> Option<[Snapped; 3]> {
     let v = polygon.vertices();
     let n = v.len();
-    let triples = (0..n).flat_map(|i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
+    let triples =
+        (0..n).flat_map(|i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
     let mut best: Option<[Snapped; 3]> = None;
     for triple in triples.map(|t| t.map(|i| v[i])) {
         if doubled_area(triple).abs() > best.map_or(0, |b| doubled_area(b).abs()) {

@@ -74,6 +74,7 @@ pub enum Setup {
 
 impl Primitive {
     /// Set up a polygon for an image of the given size.
+    #[expect(clippy::new_ret_no_self, reason = "not every polygon becomes a primitive")]
     #[must_use]
     pub fn new(polygon: &Polygon, triangle: u32, image: Rect) -> Setup {
         if polygon.vertices().is_empty() {
@@ -171,6 +172,11 @@ fn bounds(polygon: &Polygon, image: Rect) -> Rect {
     // The first centre at or right of a coordinate, and one past the last at or left of it.
     let first = |v: Option<i32>| (v.unwrap_or(0) + UNITS / 2 - 1).div_euclid(UNITS).max(0) as u32;
     let past = |v: Option<i32>| ((v.unwrap_or(0) + UNITS / 2).div_euclid(UNITS)).max(0) as u32;
-    Rect { x0: first(x.clone().min()), y0: first(y.clone().min()), x1: past(x.max()), y1: past(y.max()) }
-        .intersect(image)
+    Rect {
+        x0: first(x.clone().min()),
+        y0: first(y.clone().min()),
+        x1: past(x.max()),
+        y1: past(y.max()),
+    }
+    .intersect(image)
 }

@@ -2,8 +2,8 @@
 //!
 //! All arithmetic is f32 in the order written, never fused. Perspective-correct weights come from the triangle's
 //! homogeneous vertices *before* clipping (Olano and Greer, "Triangle scan conversion using 2D homogeneous
-//! coordinates", 1997): weight_i(x, y) = (a_i dx + b_i dy) + c_i relative to the primitive's first pixel, clamped at
-//! 0; an attribute is ((w0 v0 + w1 v1) + w2 v2) / ((w0 + w1) + w2). The set-up of a, b, c is f64.
+//! coordinates", 1997): `weight_i(x, y) = (a_i dx + b_i dy) + c_i` relative to the primitive's first pixel, clamped
+//! at 0; an attribute is ((w0 v0 + w1 v1) + w2 v2) / ((w0 + w1) + w2). The set-up of a, b, c is f64.
 //!
 //! * `flat`: colour c as it is.
 //! * `lambert`: c * (ambient + (1 - ambient) * max(n.l, 0)).

@@ -171,12 +171,16 @@ impl Visitor for Run<'_> {
         let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
         let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
         let (frame, schedule) = match (&self.options.exec, self.options.counters) {
-            (Exec::Tile, true) => (exec::tile::run::<S, Counters>(&scheme, &layout, self.job), None),
+            (Exec::Tile, true) => {
+                (exec::tile::run::<S, Counters>(&scheme, &layout, self.job), None)
+            }
             (Exec::Tile, false) => (exec::tile::run::<S, ()>(&scheme, &layout, self.job), None),
             (Exec::Threads, true) => {
                 (exec::threads::run::<S, Counters>(&scheme, &layout, self.job), None)
             }
-            (Exec::Threads, false) => (exec::threads::run::<S, ()>(&scheme, &layout, self.job), None),
+            (Exec::Threads, false) => {
+                (exec::threads::run::<S, ()>(&scheme, &layout, self.job), None)
+            }
             (Exec::Sim(sim), _) => {
                 let settings = self.settings(sim);
                 let run = exec::sim::run(&scheme, &layout, self.job, &settings, GARBAGE)?;
@@ -207,7 +211,8 @@ impl Run<'_> {
             Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
         };
         let own = HOST_BYTES * grid.storage_pixels() as u64;
-        let (bytes, limit) = (layout.bytes(pixels as u64).saturating_add(own), self.options.max_memory);
+        let (bytes, limit) =
+            (layout.bytes(pixels as u64).saturating_add(own), self.options.max_memory);
         if bytes <= limit {
             return Ok(());
         }

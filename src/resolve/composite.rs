@@ -36,7 +36,8 @@ impl Ray {
     #[must_use]
     pub fn finish(self, background: [u16; 3]) -> [u8; 4] {
         let channel = |i: usize| {
-            let behind = (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
+            let behind =
+                (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
             srgb((self.color[i] + behind as u32).min(65_535) as u16)
         };
         [channel(0), channel(1), channel(2), 255]

@@ -21,8 +21,8 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
-use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
@@ -195,7 +195,10 @@ impl<V: Variant> KPlusArray<V> {
     /// Depth and data word of an entry.
     #[inline(always)]
     fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
-        both(mem.load(self.depth.at(pixel, i), Order::Relaxed), mem.plain_load(self.data.at(pixel, i)))
+        both(
+            mem.load(self.depth.at(pixel, i), Order::Relaxed),
+            mem.plain_load(self.data.at(pixel, i)),
+        )
     }
 
     #[inline(always)]

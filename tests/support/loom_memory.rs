@@ -10,9 +10,7 @@ use std::cell::Cell;
 use std::future::{Future, ready};
 
 use fragloom::memory::layout::Sizes;
-use fragloom::memory::{
-    Access, At, Atomic, Kind, Layout, Memory, Order, Space, Update, Word,
-};
+use fragloom::memory::{Access, At, Atomic, Kind, Layout, Memory, Order, Space, Update, Word};
 use loom::sync::atomic::{AtomicU64, Ordering};
 
 /// The words of a few pixels and of the frame.

@@ -212,7 +212,12 @@ impl<'a, F: Future<Output = Done>, M: Fn(Work) -> F> Slots<'a, F, M> {
 }
 
 fn not_live(slot: u32) -> Error {
-    Error::new("--schedule", format!("the recorded schedule steps slot {slot}, which is empty: it belongs to another run"))
+    Error::new(
+        "--schedule",
+        format!(
+            "the recorded schedule steps slot {slot}, which is empty: it belongs to another run"
+        ),
+    )
 }
 
 fn hangs() -> Error {

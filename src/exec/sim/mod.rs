@@ -14,9 +14,9 @@ mod submission;
 
 use std::collections::BTreeMap;
 
+use super::Job;
 use super::account::Tally;
 use super::frame::{Finisher, Frame, PixelCounts};
-use super::Job;
 use crate::error::Result;
 use crate::memory::Layout;
 use crate::memory::sim::Sim as Memory;

@@ -1,7 +1,7 @@
 //! Built-in scenes, made by rule from keys and a seed: the same bytes on every machine.
 //!
 //! A generator is a file with its description (a [`Builtin`]) and a function from [`Keys`] to a [`Model`]; the
-//! list [`BUILTINS`] is the catalogue. Numbers come from + - * /, square roots, `libm` and `num::random`.
+//! list [`builtin`] is the catalogue. Numbers come from + - * /, square roots, `libm` and `num::random`.
 
 mod bottles;
 mod cubes;
