@@ -233,3 +233,25 @@ fn nothing_is_invented() {
         }
     }
 }
+
+#[test]
+fn what_does_not_fit_is_refused_before_it_is_drawn() {
+    use fragloom::render::render;
+    let scene = scene("layers:count=40", [64, 64]);
+    let with_limit = |method: &str, k, max_memory| {
+        render(&scene, &Options { max_memory, ..options(method, k) }).map(|_| ())
+    };
+    let needs = |e: fragloom::error::Error| e.problem().to_owned();
+    let kept = 40 * 64 * 64 * 16;
+    for method in ["exact", "ab-ll", "ab-array"] {
+        let refused = with_limit(method, None, kept - 1).map_err(needs).expect_err("too little");
+        assert!(refused.contains(&format!("{kept} bytes for kept fragments")), "{refused}");
+        assert_eq!(with_limit(method, None, 4 * kept), Ok(()));
+    }
+    let refused =
+        with_limit("kplus-array", Some(8), 300_000).map_err(needs).expect_err("too little");
+    assert!(refused.contains("for kept fragments"), "{refused}");
+    let refused =
+        with_limit("kplus-array", Some(8), 600_000).map_err(needs).expect_err("too little");
+    assert!(refused.contains("for storage on 'tile'"), "{refused}");
+}

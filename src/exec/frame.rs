@@ -1,5 +1,7 @@
 //! What executors give: tiles of resolved pixels, joined into lists and an image.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::account::{Judgement, Tally};
@@ -21,6 +23,8 @@ pub struct Frame {
     pub tally: Tally,
     /// What memory saw, if it was counted.
     pub counters: Counters,
+    /// Seconds of each pass, where passes follow each other.
+    pub seconds: BTreeMap<String, f64>,
 }
 
 /// The resolved pixels of a tile, in storage order, without those outside the image (which have no fragments).
@@ -145,7 +149,7 @@ impl Frame {
         if job.racy || tally.unbalanced > 0 {
             tally.correct(&judge(job, &tiles));
         }
-        Self { tiles, tally, counters }
+        Self { tiles, tally, counters, seconds: BTreeMap::new() }
     }
 
     /// The kept fragments and the picture, row by row. The tiles are used up.

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::Tally;
+use super::clock::Stopwatch;
 use super::drive::{self, Outcomes};
 use super::frame::{Finisher, Frame, PixelCounts, resolve_tile};
 use crate::fragment::Packet;
@@ -36,6 +37,7 @@ pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &
 
     let tile_pixels = grid.pixels_per_tile() as u32;
     let place = |tile: usize| tile as u32 * tile_pixels;
+    let mut watch = Stopwatch::start();
     shared.with(|mem: Native<'_, O>| drive::clear_frame(scheme, &mem));
     (0..grid.tiles()).into_par_iter().for_each(|tile| {
         shared.with(|mem: Native<'_, O>| {
@@ -43,7 +45,9 @@ pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &
         });
     });
 
+    watch.lap("clear");
     let stored = store_pass::<S, O>(scheme, job, &shared);
+    watch.lap("store");
 
     let tiles = (0..grid.tiles()).into_par_iter().map(|tile| {
         let counts = stored.counts(tile, tile_pixels as usize);
@@ -54,8 +58,10 @@ pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &
         })
     });
     let tiles = tiles.collect();
+    watch.lap("resolve");
     let counters = shared.counters.into_inner().unwrap_or_default();
-    Frame::new(job, tiles, &stored.reports, counters)
+    let frame = Frame::new(job, tiles, &stored.reports, counters);
+    Frame { seconds: watch.seconds(), ..frame }
 }
 
 /// What all threads reach.

@@ -31,6 +31,12 @@ impl Rect {
         }
     }
 
+    /// How many pixels it has.
+    #[must_use]
+    pub fn pixels(self) -> u64 {
+        u64::from(self.x1.saturating_sub(self.x0)) * u64::from(self.y1.saturating_sub(self.y0))
+    }
+
     /// Has no pixels.
     #[inline]
     #[must_use]

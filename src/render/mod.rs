@@ -1,5 +1,6 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
+mod limits;
 mod options;
 mod report;
 
@@ -38,9 +39,6 @@ pub struct Rendering {
 
 /// What simulated memory holds before the clear pass: a scheme must not rely on zeroes.
 const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
-
-/// What the executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
-const HOST_BYTES: u64 = 32;
 
 /// Draw `scene`.
 ///
@@ -90,6 +88,7 @@ fn draw(
         before_tile,
         threads,
     };
+    limits::kept(options, &job)?;
     let run = Run { job: &job, config, options, fingerprint: fingerprint(scene, options) };
     let mut executed = catalogue::visit(contract.name, run)??;
     watch.lap("draw");
@@ -105,6 +104,8 @@ fn draw(
     report.fragments_hash = fragments_hash(lists.width, lists.height, &lists.offsets, &lists.keys);
     watch.lap("hash");
     report.seconds = watch.seconds();
+    let passes = executed.frame.seconds.into_iter();
+    report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     Ok(Rendering { image, lists, report, schedule: executed.schedule })
 }
 
@@ -167,7 +168,7 @@ impl Visitor for Run<'_> {
     fn scheme<S: Scheme>(self) -> Result<Executed> {
         let mut layout = Layout::default();
         let scheme = S::new(&self.config, &mut layout);
-        self.check_memory(&layout)?;
+        limits::storage(self.options, self.job, &layout)?;
         let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
         let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
         let (frame, schedule) = match (&self.options.exec, self.options.counters) {
@@ -201,26 +202,6 @@ impl Run<'_> {
     fn settings(&self, sim: &Sim) -> policy::Settings {
         let Sim { policy, seed, resident, record } = sim.clone();
         policy::Settings { policy, seed, resident, record, fingerprint: self.fingerprint }
-    }
-
-    /// Refuse what would not fit, before it is allocated.
-    fn check_memory(&self, layout: &Layout) -> Result<()> {
-        let grid = &self.job.front.grid;
-        let pixels = match self.options.exec {
-            Exec::Tile => self.job.threads * grid.pixels_per_tile(),
-            Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
-        };
-        let own = HOST_BYTES * grid.storage_pixels() as u64;
-        let (bytes, limit) =
-            (layout.bytes(pixels as u64).saturating_add(own), self.options.max_memory);
-        if bytes <= limit {
-            return Ok(());
-        }
-        let (method, exec) = (&self.options.method, self.options.exec.name());
-        Err(Error::new(
-            "--max-memory",
-            format!("{method} needs {bytes} bytes on '{exec}', above the limit of {limit}"),
-        ))
     }
 }
 

@@ -32,8 +32,8 @@ pub struct Options {
     pub cull_face: CullFace,
     /// Count memory operations.
     pub counters: bool,
-    /// Bytes above which a run is refused before they are allocated: the method's storage and what executors keep of
-    /// every pixel. Kept fragments come on top, 8 bytes each.
+    /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
+    /// every pixel, and the kept fragments (16 bytes each).
     pub max_memory: u64,
 }
 

@@ -81,15 +81,11 @@ impl<'a, S: Scheme> Device<'a, S> {
         Ok(Self { scheme, mem, policy, resident, group, recorder })
     }
 
-    /// Run one pass to its end: the barrier. How many steps it took.
+    /// Run one pass to its end: the barrier.
     ///
     /// # Errors
     /// A recorded schedule that does not fit, or a schedule under which nothing ends any more.
-    pub fn pass(
-        &mut self,
-        work: impl Iterator<Item = Work>,
-        done: impl FnMut(Done),
-    ) -> Result<u64> {
+    pub fn pass(&mut self, work: impl Iterator<Item = Work>, done: impl FnMut(Done)) -> Result<()> {
         let (scheme, mem) = (self.scheme, self.mem);
         Slots::new(mem, self.resident, self.group, move |work| invoke(scheme, mem, work)).run(
             work,
@@ -135,7 +131,7 @@ impl<'a, F: Future<Output = Done>, M: Fn(Work) -> F> Slots<'a, F, M> {
         policy: &mut dyn Policy,
         mut recorder: Option<&mut Recorder>,
         mut done: impl FnMut(Done),
-    ) -> Result<u64> {
+    ) -> Result<()> {
         for group in 0..self.live_in_group.len() {
             self.refill(group, &mut work, policy, &mut done);
         }
@@ -158,7 +154,7 @@ impl<'a, F: Future<Output = Done>, M: Fn(Work) -> F> Slots<'a, F, M> {
                 }
             }
         }
-        Ok(steps)
+        Ok(())
     }
 
     /// Let a slot's invocation run on to its next operation; `None` if the slot is empty.

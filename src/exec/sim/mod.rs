@@ -12,10 +12,9 @@ pub mod policy;
 pub mod schedule;
 mod submission;
 
-use std::collections::BTreeMap;
-
 use super::Job;
 use super::account::Tally;
+use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame, PixelCounts};
 use crate::error::Result;
 use crate::memory::Layout;
@@ -27,13 +26,11 @@ use submission::Submission;
 
 /// What a run on the simulated device gives.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct Simulated {
     /// The finished frame.
     pub frame: Frame,
     /// The schedule, if it was recorded.
     pub schedule: Option<Vec<u8>>,
-    /// Seconds are not known here; how many operations ran in each pass is.
-    pub steps: BTreeMap<String, u64>,
 }
 
 /// Run a scheme. `pattern` fills memory beforehand: only clear passes make it fit for use.
@@ -46,11 +43,11 @@ pub fn run<S: Scheme>(
     job: &Job<'_>,
     settings: &Settings,
     pattern: u64,
-) -> Result<Outcome> {
+) -> Result<Simulated> {
     let grid = &job.front.grid;
     let mem = Memory::new(layout, grid.storage_pixels(), pattern);
     let mut device = Device::new(scheme, &mem, settings)?;
-    let mut steps = BTreeMap::new();
+    let mut watch = Stopwatch::start();
     let mut counts = PixelCounts::default();
     counts.reset(grid.storage_pixels());
     let mut reports = Tally::default();
@@ -58,21 +55,20 @@ pub fn run<S: Scheme>(
 
     let pixels = || (0..grid.storage_pixels() as u32).filter(|&p| on_screen(job, p));
     let clear = std::iter::once(Work::ClearFrame).chain(pixels().map(Work::Clear));
-    steps.insert("clear".to_owned(), device.pass(clear, |_| ())?);
+    device.pass(clear, |_| ())?;
+    watch.lap("clear");
     let submission = Submission::new(job, &mut counts.generated).map(Work::Store);
-    let stored = device.pass(submission, |done| {
+    device.pass(submission, |done| {
         if let Done::Stored(pixel, outcome) = done {
             counts.gone[pixel as usize] += u32::from(reports.report(outcome));
         }
     })?;
-    steps.insert("store".to_owned(), stored);
-    let resolved = device.pass(pixels().map(Work::Resolve), |done| {
+    watch.lap("store");
+    device.pass(pixels().map(Work::Resolve), |done| {
         if let Done::Resolved(pixel, keys) = done {
             lists[pixel as usize] = keys;
         }
     })?;
-    steps.insert("resolve".to_owned(), resolved);
-
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
     let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
@@ -83,8 +79,10 @@ pub fn run<S: Scheme>(
         }
         finisher.finish(&Tally::default())
     });
-    let frame = Frame::new(job, tiles.collect(), &reports, mem.counters().clone());
-    Ok(Outcome { frame, schedule, steps })
+    let tiles = tiles.collect();
+    watch.lap("resolve");
+    let frame = Frame::new(job, tiles, &reports, mem.counters().clone());
+    Ok(Simulated { frame: Frame { seconds: watch.seconds(), ..frame }, schedule })
 }
 
 /// Whether a storage place is a pixel of the image.

@@ -1,0 +1,49 @@
+//! Memory limits, checked before memory is allocated.
+
+use super::options::{Exec, Options};
+use crate::error::{Error, Result};
+use crate::exec::Job;
+use crate::memory::Layout;
+
+/// What executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
+const HOST_BYTES: u64 = 32;
+
+/// A kept fragment's bytes, by tile and then row by row.
+const KEPT_BYTES: u64 = 16;
+
+/// Refuse storage that would not fit.
+pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Result<()> {
+    let grid = &job.front.grid;
+    let pixels = match options.exec {
+        Exec::Tile => job.threads * grid.pixels_per_tile(),
+        Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
+    };
+    let own = HOST_BYTES * grid.storage_pixels() as u64;
+    let bytes = layout.bytes(pixels as u64).saturating_add(own);
+    refuse_above(options, bytes, &format!("storage on '{}'", options.exec.name()))
+}
+
+/// Refuse lists that would not fit: at most k fragments of every pixel, and no more than are generated. Those are
+/// counted only if the primitives' bounding boxes do not already show that there is room.
+pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
+    let grid = &job.front.grid;
+    let pixels = u64::from(grid.width) * u64::from(grid.height);
+    let by_k = job.nearest.map_or(u64::MAX, |k| pixels.saturating_mul(u64::from(k)));
+    let boxes = job.front.primitives().iter().map(|p| p.bounds.pixels());
+    let fits = |fragments: u64| fragments.saturating_mul(KEPT_BYTES) <= options.max_memory;
+    if fits(by_k.min(boxes.sum())) {
+        return Ok(());
+    }
+    let generated: u64 = job.front.count_fragments().iter().sum();
+    let bytes = by_k.min(generated).saturating_mul(KEPT_BYTES);
+    refuse_above(options, bytes, "kept fragments")
+}
+
+fn refuse_above(options: &Options, bytes: u64, what: &str) -> Result<()> {
+    let (method, limit) = (&options.method, options.max_memory);
+    if bytes <= limit {
+        return Ok(());
+    }
+    let problem = format!("{method} needs {bytes} bytes for {what}, above the limit of {limit}");
+    Err(Error::new("--max-memory", problem))
+}
