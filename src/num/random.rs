@@ -18,8 +18,8 @@ fn mix(x: u64) -> u64 {
 /// One stream read in order: for generators that simply want "the next one".
 #[derive(Clone, Debug)]
 pub struct Random {
-    seed: u64,
-    stream: u64,
+    /// Seed and stream, mixed.
+    base: u64,
     next: u64,
 }
 
@@ -27,13 +27,13 @@ impl Random {
     /// The stream `stream` under `seed`, at its beginning.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
-        Self { seed, stream, next: 0 }
+        Self { base: mix(mix(seed).wrapping_add(stream)), next: 0 }
     }
 
     /// The next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.next += 1;
-        bits(self.seed, self.stream, self.next - 1)
+        mix(self.base.wrapping_add(self.next - 1))
     }
 
     /// Uniform in `0..n` (multiply-shift; the bias is below n / 2^64). `n` = 0 gives 0.
@@ -56,5 +56,23 @@ impl Random {
         for i in (1..items.len()).rev() {
             items.swap(i, self.below(i as u64 + 1) as usize);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_in_order_is_the_stream_by_index() {
+        let mut random = Random::new(7, 3);
+        assert!((0..100).all(|i| random.bits() == bits(7, 3, i)));
+    }
+
+    #[test]
+    fn below_and_unit_keep_their_ranges() {
+        let mut random = Random::new(0, 0);
+        assert!((0..1_000).all(|_| random.below(3) < 3 && (0.0..1.0).contains(&random.unit())));
+        assert_eq!(random.below(0), 0);
     }
 }
