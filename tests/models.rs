@@ -3,7 +3,7 @@
 
 mod support;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fragloom::num::depth::Format;
 use fragloom::render::{Exec, Options, Policy, Report, Sim};
@@ -12,7 +12,9 @@ use support::{draw, options, scene};
 
 /// The model at 256x256, or `None` and a line that says so.
 fn model(name: &str) -> Option<Scene> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    let folder = std::env::var_os("FRAGLOOM_MODELS").map_or_else(beside, PathBuf::from);
+    let path = folder.join(name);
     if !path.exists() {
         println!("skipped: there is no {}", path.display());
         return None;

@@ -121,9 +121,15 @@ fn store_pass<S: Scheme, O: Observer + Default>(
             scope.spawn(move || rasterize(job, next_tile, generated, &sender));
         }
         drop(sender);
-        let work =
-            || shared.with(|mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, &stored.gone));
-        let workers: Vec<_> = (0..job.threads).map(|_| scope.spawn(work)).collect();
+        let workers: Vec<_> = (0..job.threads)
+            .map(|_| {
+                // Each has its own end of the queue: if all workers are gone, no rasterizer waits for one.
+                let (receiver, gone) = (receiver.clone(), &stored.gone);
+                let work = move |mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, gone);
+                scope.spawn(move || shared.with(work))
+            })
+            .collect();
+        drop(receiver);
         let mut sum = Tally::default();
         for worker in workers {
             match worker.join() {

@@ -10,7 +10,9 @@ use super::load::assert_framed;
 
 /// The path of a model, or `None` and a line that says so.
 fn model(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models").join(name);
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    let folder = std::env::var_os("FRAGLOOM_MODELS").map_or_else(beside, PathBuf::from);
+    let path = folder.join(name);
     if path.exists() {
         return Some(path);
     }
