@@ -1,16 +1,17 @@
-//! Whole frames: ten million fragments at 1024x1024 on the `tile` and `threads` executors. Prints, per scene and method,
-//! the median seconds of raster, store and resolve together (`draw`), of what surrounds them, and nanoseconds per
-//! fragment; and the ratio to the `z-buffer` on the same scene, which is free of the machine's speed.
+//! Whole frames: ten million fragments at 1024x1024 on the `tile` and `threads` executors. The methods take turns, so
+//! that a machine whose speed drifts cannot decide. Prints, per scene and method, median seconds of set-up and of
+//! raster, store and resolve together (`draw`, with the counting pass of methods that need one), nanoseconds per
+//! fragment, and the median ratio to the `z-buffer` of the same turn.
 
 mod support;
 
-use fragloom::render::{Exec, Options, render};
-use fragloom::scene::{self, Overrides};
+use fragloom::render::{Exec, Options, Report, render};
+use fragloom::scene::{self, Overrides, Scene};
 use support::median;
 
 const SCENES: [&str; 3] = ["layers:count=10", "synthetic:n=20", "synthetic:n=20,tessellation=64"];
 const METHODS: [&str; 4] = ["z-buffer", "ab-ll", "ab-array", "kplus-array"];
-const RUNS: usize = 7;
+const TURNS: usize = 9;
 
 fn main() {
     println!(
@@ -20,29 +21,37 @@ fn main() {
     for source in SCENES {
         let scene = scene::load(source, &Overrides::default()).expect("a built-in scene");
         for exec in [Exec::Tile, Exec::Threads] {
-            let mut base = None;
-            for method in METHODS {
-                let options = Options {
-                    method: method.to_owned(),
-                    exec: exec.clone(),
-                    counters: false,
-                    ..Options::default()
-                };
-                let reports: Vec<_> =
-                    (0..RUNS).map(|_| render(&scene, &options).expect("a frame").report).collect();
-                let phase = |name: &str| median(reports.iter().map(|r| r.seconds[name]).collect());
-                let draw = phase("draw") + phase("count");
-                let generated = reports[0].generated as f64;
-                let base = *base.get_or_insert(draw);
-                println!(
-                    "{source:<32} {:<8} {method:<12} {:>6.1} {:>7.3} {draw:>7.3} {:>7.1} {:>7.2}",
-                    exec.name(),
-                    generated * 1e-6,
-                    phase("setup"),
-                    draw * 1e9 / generated,
-                    draw / base
-                );
+            let turn = || METHODS.map(|method| frame(&scene, method, &exec));
+            turn();
+            let turns: Vec<[Report; METHODS.len()]> = (0..TURNS).map(|_| turn()).collect();
+            for (i, method) in METHODS.into_iter().enumerate() {
+                row(source, &exec, method, &turns, i);
             }
         }
     }
+}
+
+fn frame(scene: &Scene, method: &str, exec: &Exec) -> Report {
+    let method = method.to_owned();
+    let options = Options { method, exec: exec.clone(), counters: false, ..Options::default() };
+    render(scene, &options).expect("a frame").report
+}
+
+fn draw(report: &Report) -> f64 {
+    report.seconds["draw"] + report.seconds["count"]
+}
+
+fn row(source: &str, exec: &Exec, method: &str, turns: &[[Report; METHODS.len()]], i: usize) {
+    let over =
+        |value: &dyn Fn(&[Report; METHODS.len()]) -> f64| median(turns.iter().map(value).collect());
+    let generated = turns[0][i].generated as f64;
+    let seconds = over(&|turn| draw(&turn[i]));
+    println!(
+        "{source:<32} {:<8} {method:<12} {:>6.1} {:>7.3} {seconds:>7.3} {:>7.1} {:>7.2}",
+        exec.name(),
+        generated * 1e-6,
+        over(&|turn| turn[i].seconds["setup"]),
+        seconds * 1e9 / generated,
+        over(&|turn| draw(&turn[i]) / draw(&turn[0]))
+    );
 }
