@@ -255,3 +255,25 @@ fn what_does_not_fit_is_refused_before_it_is_drawn() {
         with_limit("kplus-array", Some(8), 600_000).map_err(needs).expect_err("too little");
     assert!(refused.contains("for storage on 'tile'"), "{refused}");
 }
+
+/// Negative controls: each of the battery's judgements can say no. (`tests/mutations.rs` has the lists'.)
+#[test]
+fn the_battery_can_fail() {
+    let scene = scene("synthetic:n=24,density=100", [5, 5]);
+    let run = |method, exec| draw(&scene, &with(method, Some(3), exec)).report;
+    let mut report = run("kplus-array", Exec::Tile);
+    assert!(balances(&report));
+    report.evicted += 1;
+    assert!(!balances(&report), "one fragment too many");
+
+    let racy = [run("kb", Exec::Tile), run("kb", sim(Policy::RoundRobin, 0))];
+    let hashes = racy.each_ref().map(|r| &r.fragments_hash);
+    assert_ne!(hashes[0], hashes[1], "were it named deterministic, it would be found");
+    assert!(!racy[0].deterministic.contains(&"fragments_hash".to_owned()));
+
+    let words = catalogue::visit("kplus-array", PixelWords { k: 8 }).expect("in the catalogue");
+    assert_eq!(words, Some(formula("2k + 2", 8)));
+    for wrong in ["2k + 1", "k + 2", "2", "3k + 2"] {
+        assert_ne!(words, Some(formula(wrong, 8)), "{wrong}");
+    }
+}

@@ -110,10 +110,15 @@ fn a_schedule_of_another_run_is_refused() {
     let recording = Exec::Sim(Sim { record: true, ..Sim::default() });
     let first = draw(&scene, &Options { exec: recording, ..options("kb", Some(3)) });
     let schedule = first.schedule.expect("it was recorded");
-    let replay = |bytes: Vec<u8>, k| {
+    let replay_on = |scene: &fragloom::scene::Scene, bytes: Vec<u8>, k| {
         let exec = Exec::Sim(Sim { policy: Policy::Recorded(bytes), ..Sim::default() });
-        render(&scene, &Options { exec, ..options("kb", Some(k)) })
+        render(scene, &Options { exec, ..options("kb", Some(k)) })
     };
+    let replay = |bytes: Vec<u8>, k| replay_on(&scene, bytes, k);
+    for other in ["synthetic:n=4,seed=2", "synthetic:n=4,alpha=0.25"] {
+        let other = support::scene(other, [12, 12]);
+        assert!(replay_on(&other, schedule.clone(), 3).is_err(), "same name, size and triangles");
+    }
     assert!(replay(schedule.clone(), 3).is_ok());
     assert!(replay(schedule.clone(), 4).is_err(), "another k");
     assert!(replay(schedule[..schedule.len() - 3].to_vec(), 3).is_err(), "cut off");
@@ -124,4 +129,16 @@ fn a_schedule_of_another_run_is_refused() {
         damaged[i] ^= 0x41;
         let _ = replay(damaged, 3); // an error or another run, but no panic
     }
+}
+
+/// Negative control: a method that does depend on schedules gives other bytes, and the comparison sees them.
+#[test]
+fn a_method_that_depends_on_schedules_is_seen() {
+    let scene = scene("synthetic:n=24,density=100", [5, 5]);
+    let hashes: std::collections::BTreeSet<String> = configurations()
+        .into_iter()
+        .map(|(threads, tile, exec)| Options { threads, tile, exec, ..options("kb", Some(3)) })
+        .map(|options| draw(&scene, &options).report.fragments_hash)
+        .collect();
+    assert!(hashes.len() > 1);
 }

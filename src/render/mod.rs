@@ -89,7 +89,7 @@ fn draw(
         threads,
     };
     limits::kept(options, &job)?;
-    let run = Run { job: &job, config, options, fingerprint: fingerprint(scene, options) };
+    let run = Run { job: &job, config, options, fingerprint: fingerprint(&front, options) };
     let mut executed = catalogue::visit(contract.name, run)??;
     watch.lap("draw");
     let (lists, image) = executed.frame.assemble(&grid);
@@ -137,13 +137,18 @@ fn record(options: &Options, contract: &Contract) -> Record {
     }
 }
 
-/// Everything that an interleaving depends on, so that a schedule is not run on something else.
-fn fingerprint(scene: &Scene, options: &Options) -> u64 {
-    let Options { method, k, sub_pixel_bits, depth_format, data, cull_face, .. } = options;
-    let (name, size, triangles) = (&scene.name, scene.size, scene.triangles());
-    schedule::fingerprint(&format!(
-        "{name} {size:?} {triangles} {method} {k:?} {sub_pixel_bits} {depth_format:?} {data:?} {cull_face:?}"
-    ))
+/// Everything that an interleaving and its result depend on, so that a schedule is not run on something else: the
+/// options, and every primitive with its surface. Computed only where a schedule is recorded or followed.
+fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
+    let Exec::Sim(sim) = &options.exec else { return 0 };
+    if !sim.record && !matches!(sim.policy, Policy::Recorded(_)) {
+        return 0;
+    }
+    let Options { method, k, depth_format, data, .. } = options;
+    let size = (front.grid.width, front.grid.height);
+    let head = format!("{size:?} {method} {k:?} {depth_format:?} {data:?}");
+    let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
+    schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
 
 /// Runs one method, once its type is known.

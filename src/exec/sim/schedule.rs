@@ -10,10 +10,15 @@ use crate::error::{Error, Result};
 
 const MAGIC: &[u8; 4] = b"FLS1";
 
-/// Identifies what a schedule was recorded of: 8 bytes of the SHA-256 of a text that names it.
+/// Identifies what a schedule was recorded of: 8 bytes of the SHA-256 of the texts that describe it, one a line.
 #[must_use]
-pub fn fingerprint(of: &str) -> u64 {
-    let digest = Sha256::digest(of.as_bytes());
+pub fn fingerprint(of: impl Iterator<Item = String>) -> u64 {
+    let mut digest = Sha256::new();
+    for text in of {
+        digest.update(text.as_bytes());
+        digest.update(b"\n");
+    }
+    let digest = digest.finalize();
     u64::from_le_bytes(std::array::from_fn(|i| digest[i]))
 }
 
