@@ -150,6 +150,7 @@ fn counting(threads: u32, rounds: u32, unlock: Order, patience: u32) -> impl Fn(
 }
 
 async fn raise_once(mem: &Loom<'_>, lock: SpinLock, word: Words<Pixel, Plain, u32>, unlock: Order) {
+    let mark = mem.mark();
     loop {
         if lock.try_acquire(mem, 0).await == FREE {
             let value = mem.plain_load(word.at(0, 0)).await;
@@ -157,7 +158,7 @@ async fn raise_once(mem: &Loom<'_>, lock: SpinLock, word: Words<Pixel, Plain, u3
             lock.release(mem, 0, unlock).await;
             return;
         }
-        mem.spin().await;
+        mem.spin(mark).await;
     }
 }
 

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use std::future::{Future, ready};
 
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
-use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Pool, Space, Update, Word};
+use super::{Access, At, Atomic, Kind, Mark, Memory, Observer, Order, Pool, Space, Update, Word};
 
 /// One worker's handle.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +89,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
 
     /// Nobody else can be waited for: a scheme that spins here would spin for ever, and a pixel's lock is always free.
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> + Unpin {
+    fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
         ready(())
     }

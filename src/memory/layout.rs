@@ -88,11 +88,10 @@ impl<S, K, W> Clone for At<S, K, W> {
 impl<S, K, W> Copy for At<S, K, W> {}
 
 impl<K, W> Words<Pixel, K, W> {
-    /// Word `i` of a pixel's run.
+    /// Word `i` of a pixel's run. A faulty scheme may go beyond it; memories check addresses.
     #[inline(always)]
     #[must_use]
     pub fn at(self, pixel: u32, i: u32) -> At<Pixel, K, W> {
-        debug_assert!(u64::from(i) < self.count);
         At { pixel, word: self.first + u64::from(i), typed: PhantomData }
     }
 }
@@ -102,7 +101,6 @@ impl<K, W> Words<Global, K, W> {
     #[inline(always)]
     #[must_use]
     pub fn at(self, i: u64) -> At<Global, K, W> {
-        debug_assert!(i < self.count);
         At { pixel: 0, word: self.first + i, typed: PhantomData }
     }
 }
@@ -151,6 +149,7 @@ impl Sizes {
 pub struct Layout {
     pixel: Sizes,
     global: Sizes,
+    locks: Vec<u64>,
 }
 
 impl Layout {
@@ -167,6 +166,20 @@ impl Layout {
     /// Declare a pool from which every fragment takes at most one index.
     pub fn pool(&mut self) -> Pool {
         Pool(self.global(1))
+    }
+
+    /// Declare a lock for every pixel: a word that is 0 when free, taken by an exchange that finds 0 or by a
+    /// compare-exchange, and freed by a write of 0. Search checks that it excludes.
+    pub fn lock(&mut self) -> Words<Pixel, Atomic, u32> {
+        let words = self.pixel(1);
+        self.locks.push(words.first);
+        words
+    }
+
+    /// The 32-bit words of a pixel that are locks.
+    #[must_use]
+    pub fn locks(&self) -> &[u64] {
+        &self.locks
     }
 
     /// Words of one pixel.

@@ -14,6 +14,7 @@
 //! machinery (`benches/async_overhead.rs` guards that).
 
 pub mod arena;
+pub mod asked;
 mod both;
 pub mod count;
 pub mod exclusive;
@@ -111,6 +112,14 @@ impl<W: Word> Update<W> {
     }
 }
 
+/// A place in an invocation that a wait goes back to: see [`Memory::mark`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark(pub u32);
+
+/// An open block: see [`Memory::block`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block(pub u32);
+
 /// Shared memory, as a shader invocation sees it. An implementation has four operations; a scheme uses the named ones
 /// below them.
 ///
@@ -119,6 +128,7 @@ impl<W: Word> Update<W> {
 #[allow(clippy::inline_always, reason = "the cost of a scheme is the cost of these operations")]
 pub trait Memory {
     /// Read a word.
+    #[track_caller]
     fn read<S: Space, K: Kind, W: Word>(
         &self,
         at: At<S, K, W>,
@@ -126,6 +136,7 @@ pub trait Memory {
     ) -> impl Future<Output = W> + Unpin;
 
     /// Write a word.
+    #[track_caller]
     fn write<S: Space, K: Kind, W: Word>(
         &self,
         at: At<S, K, W>,
@@ -134,6 +145,7 @@ pub trait Memory {
     ) -> impl Future<Output = ()> + Unpin;
 
     /// Read, modify and write a word in one atomic operation; the old value.
+    #[track_caller]
     fn update<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -141,18 +153,48 @@ pub trait Memory {
         order: Order,
     ) -> impl Future<Output = W> + Unpin;
 
-    /// Say that this invocation waits for another one and is about to try again.
-    fn spin(&self) -> impl Future<Output = ()> + Unpin;
+    /// Say that this invocation waits for another one and is about to try again from `mark`.
+    ///
+    /// It claims that what follows is what followed the mark: nothing was carried over, no attempt was counted. Search
+    /// relies on that to end, and checks it.
+    #[track_caller]
+    fn spin(&self, mark: Mark) -> impl Future<Output = ()> + Unpin;
+
+    /// The place before an attempt that may have to be repeated.
+    #[inline(always)]
+    fn mark(&self) -> Mark {
+        Mark(0)
+    }
+
+    /// Open a block: a loop or a branch with operations in it, after which the lanes of a warp come together again
+    /// ([`Memory::merge`], the merge instruction of SPIR-V). A scheme in which every loop and branch with operations
+    /// is a block has a verdict on SIMT reconvergence. Leaving a block without its merge is for returns, and for
+    /// breaks that leave an outer block at its own merge.
+    #[inline(always)]
+    #[track_caller]
+    fn block(&self) -> Block {
+        Block(0)
+    }
+
+    /// Where a block ends.
+    #[inline(always)]
+    #[track_caller]
+    fn merge(&self, block: Block) -> impl Future<Output = ()> + Unpin {
+        let _ = block;
+        std::future::ready(())
+    }
 
     /// Take a pool's next index: `atomicAdd` of 1 (or GLSL's `atomicCounterIncrement`). A memory that knows which
     /// indices its invocations will need may hand them out without asking anybody.
     #[inline(always)]
+    #[track_caller]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
         self.update(pool.counter(), Update::Add(1), Order::Relaxed)
     }
 
     /// `atomicLoad`
     #[inline(always)]
+    #[track_caller]
     fn load<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -163,6 +205,7 @@ pub trait Memory {
 
     /// `atomicStore`
     #[inline(always)]
+    #[track_caller]
     fn store<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -174,6 +217,7 @@ pub trait Memory {
 
     /// Read a plain word.
     #[inline(always)]
+    #[track_caller]
     fn plain_load<S: Space, W: Word>(
         &self,
         at: At<S, Plain, W>,
@@ -183,6 +227,7 @@ pub trait Memory {
 
     /// Write a plain word.
     #[inline(always)]
+    #[track_caller]
     fn plain_store<S: Space, W: Word>(
         &self,
         at: At<S, Plain, W>,
@@ -193,6 +238,7 @@ pub trait Memory {
 
     /// GLSL's `imageStore` to a word that others access atomically: not atomic, not ordered.
     #[inline(always)]
+    #[track_caller]
     fn plain_store_to_atomic<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -203,6 +249,7 @@ pub trait Memory {
 
     /// `atomicExchange`; the old value.
     #[inline(always)]
+    #[track_caller]
     fn exchange<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -214,6 +261,7 @@ pub trait Memory {
 
     /// `atomicCompareExchange`, strong; the old value, which is `expected` if and only if `new` was written.
     #[inline(always)]
+    #[track_caller]
     fn compare_exchange<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -226,6 +274,7 @@ pub trait Memory {
 
     /// `atomicAdd`, wrapping; the old value.
     #[inline(always)]
+    #[track_caller]
     fn add<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -237,6 +286,7 @@ pub trait Memory {
 
     /// `atomicAnd`; the old value.
     #[inline(always)]
+    #[track_caller]
     fn and<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -248,6 +298,7 @@ pub trait Memory {
 
     /// `atomicOr`; the old value.
     #[inline(always)]
+    #[track_caller]
     fn or<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -259,6 +310,7 @@ pub trait Memory {
 
     /// `atomicMin`, unsigned; the old value.
     #[inline(always)]
+    #[track_caller]
     fn min<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
@@ -270,6 +322,7 @@ pub trait Memory {
 
     /// `atomicMax`, unsigned; the old value.
     #[inline(always)]
+    #[track_caller]
     fn max<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,

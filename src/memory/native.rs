@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::future::{Future, Ready, ready};
 
 use super::arena::{Arena, Shared, SharedView};
-use super::{Access, At, Atomic, Kind, Memory, Observer, Order, Space, Update, Word};
+use super::{Access, At, Atomic, Kind, Mark, Memory, Observer, Order, Space, Update, Word};
 
 /// Failed attempts after which a waiting thread gives up its core for once: the holder may not be running.
 const SPINS_BEFORE_YIELD: u32 = 64;
@@ -73,7 +73,7 @@ impl<O: Observer> Memory for Native<'_, O> {
     }
 
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> + Unpin {
+    fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
         wait()
     }

@@ -11,7 +11,7 @@ use std::task::{Context, Poll};
 
 use super::arena::{Arena, Owned, OwnedView};
 use super::{
-    Access, At, Atomic, Counters, Kind, Layout, Memory, Observer, Order, Space, Update, Word,
+    Access, At, Atomic, Counters, Kind, Layout, Mark, Memory, Observer, Order, Space, Update, Word,
 };
 
 /// The memory of a simulated device.
@@ -121,7 +121,7 @@ impl Memory for Sim {
 
     /// Not an operation: the invocation goes straight on to its next attempt, which waits.
     #[inline]
-    fn spin(&self) -> impl Future<Output = ()> + Unpin {
+    fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.counters.spin();
         std::future::ready(())
     }

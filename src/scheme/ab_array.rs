@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// How slots are handed out.
@@ -55,6 +55,8 @@ const CONTRACT: Contract = Contract {
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::MaxDepthComplexity,
+    barriers: Barriers::ALL,
+    source: include_str!("ab_array.rs"),
 };
 
 impl Ticket for AtomicAdd {

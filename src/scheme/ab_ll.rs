@@ -7,7 +7,7 @@
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Words};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The end of a list.
@@ -46,6 +46,8 @@ impl Scheme for AbLinkedList {
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Generated,
+        barriers: Barriers::ALL,
+        source: include_str!("ab_ll.rs"),
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {

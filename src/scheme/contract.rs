@@ -46,6 +46,26 @@ pub struct Contract {
     pub max_k: u32,
     /// What it must know of the scene before memory is allocated.
     pub demand: Demand,
+    /// The barriers between its passes.
+    pub barriers: Barriers,
+    /// The text of its source file, by `include_str!`: from it, a check knows which operations there are to be reached.
+    #[serde(skip)]
+    pub source: &'static str,
+}
+
+/// Which barriers stand between passes. Only a fault leaves one out; the simulated device and the explorer then let the
+/// passes overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Barriers {
+    /// Between clear and store.
+    pub before_store: bool,
+    /// Between store and resolve.
+    pub before_resolve: bool,
+}
+
+impl Barriers {
+    /// As it should be.
+    pub const ALL: Self = Self { before_store: true, before_resolve: true };
 }
 
 /// Which form of a method this is.

@@ -3,7 +3,7 @@
 
 use crate::fragment::{Fragment, Packet};
 use crate::raster::{Batch, FrontEnd, Record};
-use crate::scheme::contract::{Contract, Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Contract, Demand, Form, Keeps};
 
 /// What the oracle promises.
 pub const CONTRACT: Contract = Contract {
@@ -26,6 +26,8 @@ pub const CONTRACT: Contract = Contract {
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::Nothing,
+    barriers: Barriers::ALL,
+    source: include_str!("exact.rs"),
 };
 
 /// The fragments of every pixel of a tile, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.

@@ -9,7 +9,7 @@
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Layout, Memory, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Registers for entries: 4 times what eight render targets held in 2007.
@@ -54,6 +54,8 @@ impl Scheme for KBuffer {
         default_k: Some(8),
         max_k: MAX_K as u32,
         demand: Demand::Nothing,
+        barriers: Barriers::ALL,
+        source: include_str!("kb.rs"),
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {

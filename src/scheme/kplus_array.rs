@@ -21,7 +21,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -79,6 +79,8 @@ const CONTRACT: Contract = Contract {
     default_k: Some(8),
     max_k: u32::MAX / 4,
     demand: Demand::Nothing,
+    barriers: Barriers::ALL,
+    source: include_str!("kplus_array.rs"),
 };
 
 impl Variant for Correct {
@@ -133,12 +135,17 @@ impl<V: Variant> Scheme for KPlusArray<V> {
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let pixel = fragment.pixel;
         let counter = self.counter.at(pixel, 0);
+        let test = mem.block();
         if mem.load(counter, Order::Acquire).await == self.k
             && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
         {
             return Outcome::Culled;
         }
+        mem.merge(test).await;
+        let _attempts = mem.block();
+        let mark = mem.mark();
         loop {
+            let attempt = mem.block();
             if self.lock.try_acquire(mem, pixel).await == FREE {
                 let count = mem.load(counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
@@ -179,7 +186,8 @@ impl<V: Variant> Scheme for KPlusArray<V> {
                 self.lock.release(mem, pixel, V::UNLOCK).await;
                 return outcome;
             }
-            mem.spin().await;
+            mem.merge(attempt).await;
+            mem.spin(mark).await;
         }
     }
 
@@ -194,6 +202,7 @@ impl<V: Variant> Scheme for KPlusArray<V> {
 impl<V: Variant> KPlusArray<V> {
     /// Depth and data word of an entry.
     #[inline(always)]
+    #[track_caller]
     fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
         both(
             mem.load(self.depth.at(pixel, i), Order::Relaxed),
@@ -202,6 +211,7 @@ impl<V: Variant> KPlusArray<V> {
     }
 
     #[inline(always)]
+    #[track_caller]
     fn put<M: Memory>(
         &self,
         mem: &M,

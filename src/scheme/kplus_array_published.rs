@@ -10,7 +10,7 @@ use std::future::Future;
 
 use crate::fragment::{Fragment, data_of, depth_of, pair_key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The method.
@@ -44,13 +44,15 @@ impl Scheme for KPlusArrayPublished {
         default_k: Some(8),
         max_k: u32::MAX / 4,
         demand: Demand::Nothing,
+        barriers: Barriers::ALL,
+        source: include_str!("kplus_array_published.rs"),
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            semaphore: layout.pixel(1),
+            semaphore: layout.lock(),
             counter: layout.pixel(1),
             depth: layout.pixel(u64::from(k)),
             data: layout.pixel(u64::from(k)),
@@ -64,10 +66,15 @@ impl Scheme for KPlusArrayPublished {
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let pixel = fragment.pixel;
+        let test = mem.block();
         if self.is_culled(mem, fragment).await {
             return Outcome::Culled;
         }
+        mem.merge(test).await;
+        let _attempts = mem.block();
+        let mark = mem.mark();
         loop {
+            let attempt = mem.block();
             if mem.exchange(self.semaphore.at(pixel, 0), 1, Order::Relaxed).await == 0 {
                 let count = mem.plain_load(self.counter.at(pixel, 0)).await;
                 let outcome = if count < self.k {
@@ -80,7 +87,8 @@ impl Scheme for KPlusArrayPublished {
                 mem.plain_store_to_atomic(self.semaphore.at(pixel, 0), 0).await;
                 return outcome;
             }
-            mem.spin().await;
+            mem.merge(attempt).await;
+            mem.spin(mark).await;
         }
     }
 
@@ -136,11 +144,13 @@ impl KPlusArrayPublished {
 
     /// Depth and data word of an entry.
     #[inline(always)]
+    #[track_caller]
     fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
         both(mem.plain_load(self.depth.at(pixel, i)), mem.plain_load(self.data.at(pixel, i)))
     }
 
     #[inline(always)]
+    #[track_caller]
     fn put<M: Memory>(
         &self,
         mem: &M,

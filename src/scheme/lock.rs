@@ -4,9 +4,10 @@
 //! others of its warp try again:
 //!
 //! ```text
+//! let mark = mem.mark();
 //! loop {
 //!     if lock.try_acquire(mem, pixel).await == FREE { ...; lock.release(mem, pixel, order).await; return }
-//!     mem.spin().await
+//!     mem.spin(mark).await
 //! }
 //! ```
 //!
@@ -28,23 +29,26 @@ impl SpinLock {
     /// Declare the word.
     #[must_use]
     pub fn new(layout: &mut Layout) -> Self {
-        Self(layout.pixel(1))
+        Self(layout.lock())
     }
 
     /// Free it, in the clear pass.
     #[inline(always)]
+    #[track_caller]
     pub fn clear<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = ()> + Unpin {
         mem.store(self.0.at(pixel, 0), FREE, Order::Relaxed)
     }
 
     /// Try once; [`FREE`] if the caller now holds it.
     #[inline(always)]
+    #[track_caller]
     pub fn try_acquire<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = u32> + Unpin {
         mem.exchange(self.0.at(pixel, 0), 1, Order::Acquire)
     }
 
     /// Give it back.
     #[inline(always)]
+    #[track_caller]
     pub fn release<M: Memory>(
         self,
         mem: &M,

@@ -4,7 +4,7 @@
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Depth in the upper half of one word per pixel, data in the lower.
@@ -36,6 +36,8 @@ impl Scheme for ZBuffer {
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Nothing,
+        barriers: Barriers::ALL,
+        source: include_str!("z_buffer.rs"),
     };
 
     fn new(_: &Config, layout: &mut Layout) -> Self {

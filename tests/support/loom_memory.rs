@@ -10,7 +10,9 @@ use std::cell::Cell;
 use std::future::{Future, ready};
 
 use fragloom::memory::layout::Sizes;
-use fragloom::memory::{Access, At, Atomic, Kind, Layout, Memory, Order, Space, Update, Word};
+use fragloom::memory::{
+    Access, At, Atomic, Kind, Layout, Mark, Memory, Order, Space, Update, Word,
+};
 use loom::sync::atomic::{AtomicU64, Ordering};
 
 /// The words of a few pixels and of the frame.
@@ -139,7 +141,7 @@ impl Memory for Loom<'_> {
         ready(W::from_u64(old))
     }
 
-    fn spin(&self) -> impl Future<Output = ()> + Unpin {
+    fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.spins.set(self.spins.get() + 1);
         if self.spins.get() > self.patience {
             loom::skip_branch();
