@@ -127,6 +127,22 @@ impl Cells {
     }
 }
 
+/// Words at one moment, for looking at and not for computing with.
+pub struct Snapshot<'a> {
+    /// The numbering.
+    pub cells: &'a Cells,
+    /// A word's value by its number; `None` while it holds what nobody wrote.
+    pub value: &'a dyn Fn(u32) -> Option<u64>,
+}
+
+impl Snapshot<'_> {
+    /// The word's value; `None` while it holds what nobody wrote.
+    #[must_use]
+    pub fn get<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> Option<W> {
+        (self.value)(self.cells.number(at)).map(W::from_u64)
+    }
+}
+
 /// A block of the invocation's stack: where it was opened, and how many its parent had opened before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OpenBlock {

@@ -25,6 +25,7 @@ pub mod word;
 
 use std::future::Future;
 
+pub use asked::Snapshot;
 pub use both::{Both, both};
 pub use count::{Counters, Observer};
 pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Pool, Space, Words};

@@ -23,7 +23,7 @@ pub use catalogue::contracts;
 pub use contract::{Contract, Form, Keeps};
 
 use crate::fragment::Fragment;
-use crate::memory::{Layout, Memory};
+use crate::memory::{Layout, Memory, Snapshot};
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,15 @@ pub enum Outcome {
     Pool,
 }
 
+/// When an invariant is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// Between any two operations of the store pass.
+    Always,
+    /// At the barrier after it.
+    Quiet,
+}
+
 /// The k nearest, or all, as they come out of memory: keys in any order.
 pub type Keys = Vec<u64>;
 
@@ -74,6 +83,15 @@ pub trait Scheme: Sync + Sized {
 
     /// Store pass, one invocation per fragment.
     fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome>;
+
+    /// What must be true of a pixel's words, beyond what every method promises; checks look at it in every state.
+    ///
+    /// # Errors
+    /// What is wrong, in words that name the fault.
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        let _ = (words, pixel, moment);
+        Ok(())
+    }
 
     /// Resolve pass, one invocation per pixel: append the pixel's fragments to `keys`, in any order.
     fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) -> impl Future<Output = ()>;
