@@ -16,7 +16,7 @@ pub trait Visitor {
     type Output;
 
     /// With a scheme.
-    fn scheme<S: Scheme>(self) -> Self::Output;
+    fn scheme<S: Scheme + Send + 'static>(self) -> Self::Output;
 
     /// With the oracle, which is not a scheme.
     fn exact(self) -> Self::Output;

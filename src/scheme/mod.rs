@@ -37,7 +37,7 @@ pub struct Config {
 }
 
 /// What became of a fragment, as far as its own invocation can tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Outcome {
     /// Stored.
     #[default]

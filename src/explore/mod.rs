@@ -1,0 +1,36 @@
+//! Verify or refute: what a method does under every interleaving.
+//!
+//! A check asks whether a method keeps its contract, whatever its invocations' timing. It makes small programs from
+//! the contract ([`litmus`]), explores them under a memory model ([`exhaustive`]), and answers *verified* with its
+//! bound, *violated* with a schedule that can be run again, or *unknown*.
+
+mod exhaustive;
+mod forest;
+pub mod litmus;
+mod machine;
+mod model;
+mod property;
+mod relaxed;
+pub mod schedule;
+mod sequential;
+mod shader;
+mod space;
+
+pub use exhaustive::{Explored, Found, Limits};
+pub use litmus::{Family, Litmus};
+pub use machine::{Device, Final};
+pub use model::{MemoryModel, Profile};
+pub use property::Property;
+pub use shader::{Subject, subject};
+
+/// Explore one instance of a method.
+#[must_use]
+pub fn explore(
+    subject: &Subject,
+    litmus: &Litmus,
+    device: Device,
+    limits: &Limits<'_>,
+) -> Explored {
+    let shader = (subject.make)(&litmus.config());
+    exhaustive::explore(&*shader, subject.contract, litmus, device, limits)
+}
