@@ -4,24 +4,34 @@
 //! the contract ([`litmus`]), explores them under a memory model ([`exhaustive`]), and answers *verified* with its
 //! bound, *violated* with a schedule that can be run again, or *unknown*.
 
+pub mod check;
 mod exhaustive;
 mod forest;
 pub mod litmus;
 mod machine;
 mod model;
+pub mod progress;
 mod property;
 mod relaxed;
+pub mod run;
 pub mod schedule;
 mod sequential;
 mod shader;
+mod sites;
 mod space;
+pub mod token;
+mod verdict;
 
+pub use check::{Plan, Survey, check};
 pub use exhaustive::{Explored, Found, Limits};
 pub use litmus::{Family, Litmus};
 pub use machine::{Device, Final};
 pub use model::{MemoryModel, Profile};
+pub use progress::Progress;
 pub use property::Property;
-pub use shader::{Subject, subject};
+pub use shader::{Ended, Subject, Task, subject};
+pub use token::Token;
+pub use verdict::{Row, Verdict};
 
 /// Explore one instance of a method.
 #[must_use]
