@@ -3,8 +3,18 @@
 
 mod support;
 
-use fragloom::render::{Options, Policy, Rendering};
+use std::cell::Cell;
+
+use fragloom::exec::drive::{self, complete};
+use fragloom::fragment::{Fragment, key};
+use fragloom::memory::Layout;
+use fragloom::memory::arena::{Owned, Shared};
+use fragloom::memory::exclusive::Exclusive;
+use fragloom::num::depth::FARTHEST;
+use fragloom::render::{Exec, Options, Policy, Rendering};
 use fragloom::scene::Scene;
+use fragloom::scheme::catalogue::{self, Visitor};
+use fragloom::scheme::{Config, Keys, Outcome, Scheme};
 use support::{draw, options, scene, sim};
 
 const SEEDS: u64 = 12;
@@ -36,21 +46,121 @@ fn the_correct_forms_survive_every_seed() {
 }
 
 #[test]
-fn a_missing_second_test_is_caught() {
-    assert!(wrong_seeds("kplus-array@one-test", Some(3)) > 0);
+fn faults_that_interleavings_show_are_caught() {
+    let of_k = ["M3", "M4", "M5", "M6-early-count", "one-test", "root-first"];
+    let max_array = of_k.map(|fault| (format!("kplus-array@{fault}"), Some(3)));
+    let others = [
+        ("kplus-array@published-fixed-unlock", Some(3)),
+        ("ab-array@plain-counter", None),
+        ("ab-ll@plain-head", None),
+        ("z-buffer@load-store", Some(1)),
+    ];
+    let others = others.map(|(name, k)| (name.to_owned(), k));
+    for (method, k) in max_array.into_iter().chain(others) {
+        let wrong = wrong_seeds(&method, k);
+        println!("{method}: {wrong} of {SEEDS} seeds");
+        assert!(wrong > 0, "{method}");
+    }
 }
 
 #[test]
-fn a_non_atomic_counter_is_caught() {
-    assert!(wrong_seeds("ab-array@plain-counter", None) > 0);
-    let report = random("ab-array@plain-counter", None, 1).report;
-    assert!(report.dropped["lost"] > 0, "and accounted for: {report:?}");
+fn what_they_lose_is_accounted_for() {
+    for method in ["kplus-array@M3", "ab-array@plain-counter", "ab-ll@plain-head"] {
+        let k = method.starts_with("kplus").then_some(3);
+        let lost = |seed| random(method, k, seed).report.dropped.get("lost").copied();
+        assert!((0..SEEDS).any(|seed| lost(seed).is_some_and(|n| n > 0)), "{method}");
+    }
 }
 
-/// Its fault is in the memory order, so no interleaving of whole operations shows it: that takes loom.
+/// Their faults are in memory orders, so no interleaving of whole operations shows them: that takes loom. Or in how
+/// lanes of a warp wait for each other (M19), or nowhere (M11).
 #[test]
-fn a_relaxed_unlock_is_invisible_under_sequential_consistency() {
-    assert_eq!(wrong_seeds("kplus-array@M1", Some(3)), 0);
+fn faults_that_interleavings_do_not_show() {
+    for fault in ["M1", "M1-relaxed", "M2", "M2-acquire", "M6", "M19"] {
+        assert_eq!(wrong_seeds(&format!("kplus-array@{fault}"), Some(3)), 0, "{fault}");
+    }
+    assert_eq!(wrong_seeds("ab-ll@M11", None), 0);
+}
+
+/// M14: a sixth fragment of a pixel lands in the next one.
+#[test]
+fn a_bound_test_that_is_off_by_one_is_caught() {
+    let torn = |method| {
+        let runs = (0..SEEDS).map(|seed| random(method, Some(5), seed).report.torn);
+        runs.sum::<u64>()
+    };
+    assert_eq!(torn("ab-array"), 0);
+    assert!(torn("ab-array@M14") > 0);
+}
+
+/// One pixel on memory that one thread owns: what became of its fragments, and what it holds.
+struct Pixel<'a> {
+    config: Config,
+    fragments: &'a [(u32, u32)],
+}
+
+impl Visitor for Pixel<'_> {
+    type Output = (Vec<Outcome>, Keys);
+
+    fn scheme<S: Scheme>(self) -> Self::Output {
+        let mut layout = Layout::default();
+        let scheme = S::new(&self.config, &mut layout);
+        let pixel = Owned::new(layout.per_pixel(), 1);
+        let global = Shared::new(layout.per_frame(), 1);
+        let next = Cell::new(0);
+        let mem = Exclusive::new(&pixel, &global, Some(&next), &());
+        drive::clear(&scheme, &mem, 0..1);
+        let store =
+            |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data }));
+        let outcomes = self.fragments.iter().map(store).collect();
+        let mut keys = Keys::new();
+        drive::resolve(&scheme, &mem, 0, &mut keys);
+        keys.sort_unstable();
+        (outcomes, keys)
+    }
+
+    fn exact(self) -> Self::Output {
+        unreachable!("it has no memory")
+    }
+}
+
+fn pixel(method: &str, generated: u64, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys) {
+    let config = Config { k: Some(2), generated, max_depth_complexity: 2 };
+    catalogue::visit(method, Pixel { config, fragments }).expect("a method")
+}
+
+/// M9: of equal depths, the two smallest data words are the nearest.
+#[test]
+fn an_equal_depth_that_stops_the_insertion_is_caught() {
+    let fragments = [(5, 3), (5, 2), (5, 1)];
+    assert_eq!(pixel("kplus-array", 3, &fragments).1, [key(5, 1), key(5, 2)]);
+    assert_eq!(pixel("kplus-array@M9", 3, &fragments).1, [key(5, 2), key(5, 3)]);
+}
+
+/// M18.
+#[test]
+fn a_far_plane_that_is_rejected_is_caught() {
+    for data in [0, 7, u32::MAX] {
+        let fragment = [(FARTHEST, data)];
+        let kept = (vec![Outcome::Kept], vec![key(FARTHEST, data)]);
+        assert_eq!(pixel("z-buffer", 1, &fragment), kept);
+        assert_eq!(pixel("z-buffer@M18", 1, &fragment), (vec![Outcome::Culled], vec![]));
+    }
+    assert_eq!(pixel("z-buffer@M18", 1, &[(FARTHEST - 1, 9)]).1, [key(FARTHEST - 1, 9)]);
+}
+
+#[test]
+fn a_full_pool_is_refused() {
+    let (outcomes, keys) = pixel("ab-ll", 2, &[(3, 0), (2, 0), (1, 0)]);
+    assert_eq!(outcomes, [Outcome::Kept, Outcome::Kept, Outcome::Pool]);
+    assert_eq!(keys, [key(2, 0), key(3, 0)]);
+}
+
+/// M14 of the pool, which is as large as the scene: it takes one that is not.
+#[test]
+#[should_panic(expected = "index out of bounds")]
+fn a_pool_bound_that_is_off_by_one_is_caught() {
+    let _ = pixel("ab-ll@M14", 2, &[(3, 0), (2, 0), (1, 0)]);
 }
 
 /// The published max-array writes the new fragment into entry 0 before it finds the farthest; an unlocked reader in
@@ -87,6 +197,6 @@ fn kb_loses_fragments_reproducibly_by_seed() {
 fn kb_loses_nothing_without_overlap() {
     let exact = draw(&crowded(), &options("exact", Some(4))).lists;
     let one = fragloom::render::Sim { resident: 1, ..fragloom::render::Sim::default() };
-    let exec = fragloom::render::Exec::Sim(one);
+    let exec = Exec::Sim(one);
     assert_eq!(draw(&crowded(), &Options { exec, ..options("kb", Some(4)) }).lists, exact);
 }

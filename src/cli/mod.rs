@@ -8,6 +8,7 @@ mod catalogue;
 mod compare;
 mod flags;
 mod methods;
+mod mutations;
 mod render;
 mod say;
 mod scenes;
@@ -44,6 +45,8 @@ enum Command {
     Compare(Box<compare::Args>),
     /// List the methods, from their contracts.
     Methods(methods::Args),
+    /// List the built-in faults, and the methods that have them.
+    Mutations(mutations::Args),
     /// List the built-in procedural scenes.
     Scenes(scenes::Args),
 }
@@ -85,6 +88,7 @@ fn run(command: &Command) -> Result<Verdict> {
         Command::Render(args) => render::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Methods(args) => methods::run(args),
+        Command::Mutations(args) => mutations::run(args),
         Command::Scenes(args) => scenes::run(args),
     }
 }
