@@ -93,12 +93,7 @@ pub struct Survey {
 impl Survey {
     /// Explore all instances up to a size, or up to the first size at which a result is wrong.
     #[must_use]
-    pub fn new(
-        subject: &Subject,
-        family: &Family,
-        device: Device,
-        limits: &Limits<'_>,
-    ) -> Self {
+    pub fn new(subject: &Subject, family: &Family, device: Device, limits: &Limits<'_>) -> Self {
         let mut survey = Self {
             subject: *subject,
             device,
@@ -189,7 +184,8 @@ impl Survey {
             row.message = "a bound was hit before all interleavings were explored".to_owned();
         } else if self.subject.contract.source.is_empty() {
             row.message =
-                "the contract names no source, so nothing says that all of it was reached".to_owned();
+                "the contract names no source, so nothing says that all of it was reached"
+                    .to_owned();
         } else if !missed.is_empty() && !self.is_wrong() {
             row.message = format!("never reached: {}", missed.join(", "));
         } else {
@@ -209,8 +205,7 @@ impl Survey {
             }
             _ => ", all patterns".to_owned(),
         };
-        let bound =
-            format!("n <= {}{k}{patterns}, {}", self.reached, self.device.memory.bound());
+        let bound = format!("n <= {}{k}{patterns}, {}", self.reached, self.device.memory.bound());
         Row {
             method: contract.name.to_owned(),
             property: property.map(|p| p.name().to_owned()),
@@ -233,7 +228,12 @@ impl Survey {
     }
 
     /// The token of a violation, and what it shows, told more fully than the explorer does.
-    fn witness(&self, property: Property, litmus: &Litmus, found: &Found) -> (Option<String>, String) {
+    fn witness(
+        &self,
+        property: Property,
+        litmus: &Litmus,
+        found: &Found,
+    ) -> (Option<String>, String) {
         let (subject, device) = (&self.subject, self.device);
         witness(subject, property, litmus, device, [&found.schedule, &[]], &found.message)
     }
@@ -312,16 +312,32 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
 }
 
 /// Whether every invocation ends: one row per progress model, and one for a warp whose lanes come together.
+///
+/// A method under which no state is met twice ends under every model, and is not explored further.
 #[must_use]
 pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
+    let simt = plan.simt.then_some("simt");
+    let names: Vec<&str> = plan.progress.iter().map(|p| p.name()).chain(simt).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let n = plan.fragments.unwrap_or(MOST_PROGRESS).min(MOST_PROGRESS);
+    let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
+    let device = Device { memory: MemoryModel::Sequential, warp: None };
+    let survey = Survey::new(subject, &family, device, limits);
+    let instances = || survey.explored.iter().map(|(litmus, _)| litmus.clone()).collect();
+    if survey.is_complete() && !survey.explored.iter().any(|(_, e)| e.cyclic) {
+        return names.into_iter().map(|name| survey.ends(name)).collect();
+    }
     let mut rows = Vec::new();
     if !plan.progress.is_empty() {
-        let endings = endings(subject, plan, None, limits);
+        let endings = Endings::new(&survey, instances(), None, limits);
         rows.extend(plan.progress.iter().map(|&p| endings.row(p, p.name())));
     }
     if plan.simt {
-        let mut row = endings(subject, plan, Some(32), limits).row(Progress::Fair, "simt");
-        let waits = bare_waits(subject, plan, limits);
+        let mut row =
+            Endings::new(&survey, instances(), Some(32), limits).row(Progress::Fair, "simt");
+        let waits = survey.explored.iter().map(|(_, e)| e.bare_waits).max().unwrap_or(0);
         if waits > 0 && row.verdict == Verdict::Verified {
             row.verdict = Verdict::Unknown;
             row.message =
@@ -332,49 +348,47 @@ pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<R
     rows
 }
 
-fn bare_waits(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> usize {
-    let family = Family { fragments: 2, ks: plan.ks.clone(), helpers: 0 };
-    let device = Device { memory: MemoryModel::Sequential, warp: None };
-    let survey = Survey::new(subject, &family, device, limits);
-    survey.explored.iter().map(|(_, e)| e.bare_waits).max().unwrap_or(0)
+impl Survey {
+    /// The row of a method that never repeats a state.
+    fn ends(&self, progress: &str) -> Row {
+        let mut row = self.blank(Some(Property::Termination));
+        row.verdict = Verdict::Verified;
+        row.progress = Some(progress.to_owned());
+        "no state can be met twice".clone_into(&mut row.message);
+        row
+    }
 }
 
-/// How a method's instances end.
-struct Endings {
-    subject: Subject,
+/// How a survey's instances end.
+struct Endings<'a> {
+    survey: &'a Survey,
     warp: Option<u32>,
-    n: u32,
     all: Vec<(Litmus, Option<Progressed>)>,
 }
 
-fn endings(subject: &Subject, plan: &Plan, warp: Option<u32>, limits: &Limits<'_>) -> Endings {
-    let n = plan.fragments.unwrap_or(MOST_PROGRESS).min(MOST_PROGRESS);
-    let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
-    let explore = |litmus: Litmus| {
-        let shader = (subject.make)(&litmus.config());
-        let found = progress::explore(&*shader, subject.contract, &litmus, warp, limits);
-        (litmus, found)
-    };
-    let all = litmus::instances(subject.contract, &family).into_par_iter().map(explore).collect();
-    Endings { subject: *subject, warp, n, all }
-}
+impl<'a> Endings<'a> {
+    fn new(
+        survey: &'a Survey,
+        instances: Vec<Litmus>,
+        warp: Option<u32>,
+        limits: &Limits<'_>,
+    ) -> Self {
+        let subject = &survey.subject;
+        let explore = |litmus: Litmus| {
+            let shader = (subject.make)(&litmus.config());
+            let found = progress::explore(&*shader, subject.contract, &litmus, warp, limits);
+            (litmus, found)
+        };
+        Self { survey, warp, all: instances.into_par_iter().map(explore).collect() }
+    }
 
-impl Endings {
     fn row(&self, model: Progress, name: &str) -> Row {
         let device = Device { memory: MemoryModel::Sequential, warp: self.warp };
-        let survey = Survey {
-            subject: self.subject,
-            device,
-            explored: Vec::new(),
-            planned: self.n,
-            reached: self.n,
-        };
-        let mut row = survey.blank(Some(Property::Termination));
+        let mut row = self.survey.blank(Some(Property::Termination));
         let complete = self.all.iter().all(|(_, found)| found.is_some());
         row.exhaustive = complete;
         row.progress = Some(name.to_owned());
         row.executions = None;
-        row.instance = format!("{} instances", self.all.len());
         row.states = self.all.iter().flat_map(|(_, f)| f).map(|f| f.states as u64).sum();
         match self.lasso(model) {
             Some((litmus, lasso)) => {
@@ -383,9 +397,9 @@ impl Endings {
                 row.steps = Some((lasso.stem.len() + lasso.cycle.len()) as u64);
                 let message = told(lasso);
                 let schedule = [lasso.stem.as_slice(), lasso.cycle.as_slice()];
-                let property = Property::Termination;
+                let (subject, property) = (&self.survey.subject, Property::Termination);
                 (row.token, row.message) =
-                    witness(&self.subject, property, litmus, device, schedule, &message);
+                    witness(subject, property, litmus, device, schedule, &message);
             }
             None if complete => row.verdict = Verdict::Verified,
             None => row.message = "a bound was hit before all states were explored".to_owned(),
@@ -397,9 +411,8 @@ impl Endings {
         let at = Progress::ALL.iter().position(|&p| p == model)?;
         let found = self.all.iter();
         let found = found.filter_map(|(l, f)| Some((l, f.as_ref()?.lassos[at].as_ref()?)));
-        found.min_by_key(|(l, lasso)| {
-            (l.fragments.len(), l.k, lasso.stem.len() + lasso.cycle.len())
-        })
+        found
+            .min_by_key(|(l, lasso)| (l.fragments.len(), l.k, lasso.stem.len() + lasso.cycle.len()))
     }
 }
 

@@ -10,7 +10,7 @@ use super::machine::{Device, Final, Machine, Moved};
 use super::model::MemoryModel;
 use super::property::{self, Property};
 use super::schedule::{Move, Schedule};
-use super::shader::{Shader, Task};
+use super::shader::Shader;
 use super::space::{Space, StateId};
 use crate::memory::asked::Cells;
 use crate::scheme::{Contract, Moment};
@@ -50,6 +50,8 @@ pub struct Explored {
     pub transitions: usize,
     /// Complete interleavings, a repeated state not counted again; `None` if there are cycles, or above 2^127.
     pub executions: Option<u128>,
+    /// Some invocation can repeat itself: there is a cycle, if only of one step.
+    pub cyclic: bool,
     /// Every final result, with a shortest schedule to it.
     pub outcomes: BTreeMap<Vec<Vec<u64>>, Schedule>,
     /// The first violation of each property.
@@ -202,6 +204,7 @@ impl<'a> Search<'a> {
             states: self.space.len(),
             transitions: self.graph.targets.len(),
             executions: if complete { executions(&self.graph) } else { None },
+            cyclic: is_cyclic(&self.graph),
             outcomes,
             violations,
             sites: self.machine.forest.sites().clone(),
@@ -256,8 +259,7 @@ impl<'a> Search<'a> {
                         break;
                     }
                 }
-                let by =
-                    Move { invocation: invocation as u8, alternative: alternative as u16 };
+                let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                 let moved = self.machine.perform(nodes[invocation], by);
                 self.judge_move(id, by, moved);
                 self.follow(id, state, by, moved, next);
@@ -316,8 +318,7 @@ impl<'a> Search<'a> {
             self.violation(Property::Invariant, id, None, || message);
         }
         let end = self.machine.finish(nodes);
-        for (property, message) in
-            property::judge(self.machine.contract, self.machine.litmus, &end)
+        for (property, message) in property::judge(self.machine.contract, self.machine.litmus, &end)
         {
             self.violation(property, id, None, || message);
         }
@@ -365,6 +366,26 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whether some way leads from a state back to it.
+fn is_cyclic(graph: &Graph) -> bool {
+    let states = graph.states();
+    let targets = |state: usize| graph.edges(state).map(|e| graph.targets[e] as usize);
+    let mut waiting = vec![0u32; states];
+    (0..states).for_each(|s| targets(s).filter(|&t| t < states).for_each(|t| waiting[t] += 1));
+    let mut ready: Vec<usize> = (0..states).filter(|&s| waiting[s] == 0).collect();
+    let mut done = 0;
+    while let Some(state) = ready.pop() {
+        done += 1;
+        for target in targets(state).filter(|&t| t < states) {
+            waiting[target] -= 1;
+            if waiting[target] == 0 {
+                ready.push(target);
+            }
+        }
+    }
+    done < states
+}
+
 /// The number of paths from the first state to one without successors, steps that change nothing left out; `None` if
 /// there are other cycles, or too many paths.
 fn executions(graph: &Graph) -> Option<u128> {
@@ -394,14 +415,4 @@ fn executions(graph: &Graph) -> Option<u128> {
         }
     }
     (done == states && sum < 1 << 127).then_some(sum)
-}
-
-/// What a property's first step is called where there is nothing to call it.
-pub(super) fn is_store(task: Task) -> bool {
-    matches!(task, Task::Store(_))
-}
-
-/// Whether a node's invocation has ended.
-pub(super) fn has_ended(machine: &Machine<'_>, node: NodeId) -> bool {
-    matches!(machine.forest.node(node).step, Step::Ended(_))
 }

@@ -76,12 +76,7 @@ pub(super) struct Forest<'a> {
 }
 
 impl<'a> Forest<'a> {
-    pub(super) fn new(
-        shader: &'a dyn Shader,
-        cells: &'a Cells,
-        pixels: u32,
-        lanes: bool,
-    ) -> Self {
+    pub(super) fn new(shader: &'a dyn Shader, cells: &'a Cells, pixels: u32, lanes: bool) -> Self {
         let words = shader.layout().locks();
         let of_pixel = |p| words.iter().map(move |&word| cells.pixel_word(p, word));
         Self {
@@ -302,8 +297,7 @@ impl<'a> Forest<'a> {
         let mut compared = 0;
         let mut below: BTreeMap<NodeId, Vec<(NodeId, Vec<Answer>)>> = BTreeMap::new();
         for &(from, answer) in &self.claims {
-            let Some(&(_, target)) = self.node(from).children.iter().find(|c| c.0 == answer)
-            else {
+            let Some(&(_, target)) = self.node(from).children.iter().find(|c| c.0 == answer) else {
                 continue;
             };
             let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
@@ -350,9 +344,10 @@ impl<'a> Forest<'a> {
 
     fn agrees(&self, node: NodeId, next: &Next) -> bool {
         match (self.node(node).step, next) {
-            (Step::Operation(cell, action), Next::Ask(Request::Operation { cell: c, action: a, .. })) => {
-                (cell, action) == (*c, *a)
-            }
+            (
+                Step::Operation(cell, action),
+                Next::Ask(Request::Operation { cell: c, action: a, .. }),
+            ) => (cell, action) == (*c, *a),
             (Step::Merge, Next::Ask(Request::Merge(site))) => self.node(node).site == Some(*site),
             _ => false,
         }

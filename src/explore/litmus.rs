@@ -43,11 +43,7 @@ impl Litmus {
     /// What the method is configured with.
     #[must_use]
     pub fn config(&self) -> Config {
-        Config {
-            k: self.k,
-            generated: u64::from(self.room),
-            max_depth_complexity: self.room,
-        }
+        Config { k: self.k, generated: u64::from(self.room), max_depth_complexity: self.room }
     }
 
     /// The fragments.

@@ -138,8 +138,7 @@ impl<'a> Machine<'a> {
             if self.litmus.is_helper(invocation) {
                 result = self.helper(invocation, cell, action, by.alternative);
             } else {
-                result =
-                    self.model.perform(invocation, cell, action, usize::from(by.alternative));
+                result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
                 race = self.model.race();
             }
         }
@@ -190,11 +189,6 @@ impl<'a> Machine<'a> {
             let outside = !stack.starts_with(parent) || (merging && stack == parent);
             ended || outside || (merging && stack == own)
         })
-    }
-
-    /// The value of a word in the loaded state, once all are ordered; `None` if nobody wrote it.
-    pub(super) fn settled(&self, cell: u32) -> Option<u64> {
-        self.model.settled(cell)
     }
 
     /// What the method says of itself in the loaded state.

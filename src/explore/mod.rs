@@ -5,14 +5,17 @@
 //! bound, *violated* with a schedule that can be run again, or *unknown*.
 
 pub mod check;
+pub mod claims;
 mod exhaustive;
 mod forest;
 pub mod litmus;
 mod machine;
+pub mod matrix;
 mod model;
 pub mod progress;
 mod property;
 mod relaxed;
+pub mod replay;
 pub mod run;
 pub mod schedule;
 mod sequential;
@@ -21,6 +24,7 @@ mod sites;
 mod space;
 pub mod token;
 mod verdict;
+mod walk;
 
 pub use check::{Plan, Survey, check};
 pub use exhaustive::{Explored, Found, Limits};

@@ -146,9 +146,7 @@ fn keeps(
                 Keeps::FirstArrivals => dropped == generated.len().saturating_sub(room),
                 _ => dropped <= litmus.fragments.len() - room,
             };
-            enough
-                && list.len() + dropped == generated.len()
-                && is_part(list, generated)
+            enough && list.len() + dropped == generated.len() && is_part(list, generated)
         }
         // By depth alone, whoever of the equal ones came first.
         Keeps::Nearest if contract.arrival_dependent => {

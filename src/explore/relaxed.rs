@@ -154,7 +154,14 @@ impl Relaxed {
         choices
     }
 
-    fn append(&mut self, invocation: usize, cell: usize, value: u64, releases: bool, read: Option<usize>) {
+    fn append(
+        &mut self,
+        invocation: usize,
+        cell: usize,
+        value: u64,
+        releases: bool,
+        read: Option<usize>,
+    ) {
         let index = self.messages[cell].len();
         assert!(index < 255, "a word has too many messages");
         let thread = &self.threads[invocation];
@@ -194,11 +201,12 @@ impl Relaxed {
         let clock = &self.threads[invocation].cur.clock;
         let now = clock[invocation];
         let others = (0..self.invocations).filter(|&other| other != invocation);
-        let found = others.flat_map(|other| (0..KINDS).map(move |k| (other, k))).find(|&(other, k)| {
-            let (other_writes, other_plain) = (k & 2 != 0, k & 1 != 0);
-            let when = self.accesses[cell * self.invocations + other][k];
-            when > clock[other] && (writes || other_writes) && (plain || other_plain)
-        });
+        let found =
+            others.flat_map(|other| (0..KINDS).map(move |k| (other, k))).find(|&(other, k)| {
+                let (other_writes, other_plain) = (k & 2 != 0, k & 1 != 0);
+                let when = self.accesses[cell * self.invocations + other][k];
+                when > clock[other] && (writes || other_writes) && (plain || other_plain)
+            });
         self.race = found.map(|(other, k)| Race {
             other,
             cell: cell as u32,
@@ -230,7 +238,9 @@ impl Model for Relaxed {
             for message in list {
                 message.unwritten = byte() != 0;
                 let value: [u8; 8] =
-                    std::array::from_fn(|i| if i < self.bits[cell] as usize / 8 { byte() } else { 0 });
+                    std::array::from_fn(
+                        |i| if i < self.bits[cell] as usize / 8 { byte() } else { 0 },
+                    );
                 message.value = u64::from_le_bytes(value);
                 read_view(&mut message.view, &mut byte);
             }
@@ -407,7 +417,9 @@ impl<'a> Canonical<'a> {
     }
 
     fn view(&self, view: &View, bytes: &mut Vec<u8>) {
-        bytes.extend(view.from.iter().zip(&self.base).map(|(&from, &base)| from.saturating_sub(base)));
+        bytes.extend(
+            view.from.iter().zip(&self.base).map(|(&from, &base)| from.saturating_sub(base)),
+        );
         let clock = view.clock.iter().enumerate();
         bytes.extend(clock.map(|(t, &when)| self.ranks[t][usize::from(when)]));
     }

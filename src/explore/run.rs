@@ -90,11 +90,6 @@ impl<'a> Runner<'a> {
         self.machine.forest.node(self.nodes[invocation]).waits
     }
 
-    /// The present state's encoding.
-    pub(super) fn state(&self) -> &[u32] {
-        &self.state
-    }
-
     /// Move; `None` if the invocation cannot move so.
     pub(super) fn step(&mut self, by: Move) -> Option<&Event> {
         let invocation = usize::from(by.invocation);
@@ -190,7 +185,9 @@ impl<'a> Runner<'a> {
     fn name(&self, invocation: usize) -> String {
         let helper = if self.machine.litmus.is_helper(invocation) { "helper " } else { "" };
         match self.machine.tasks[invocation] {
-            Task::Store(f) => format!("{helper}fragment {} ({:x}/{:x})", label(invocation), f.depth, f.data),
+            Task::Store(f) => {
+                format!("{helper}fragment {} ({:x}/{:x})", label(invocation), f.depth, f.data)
+            }
             Task::Clear(p) => format!("the clear of pixel {p}"),
             Task::ClearFrame => "the clear of the frame".to_owned(),
             Task::Resolve(p) => format!("the resolve of pixel {p}"),
@@ -264,10 +261,7 @@ impl<'a> Runner<'a> {
                 self.machine.load(&state);
                 for alternative in 0..self.machine.alternatives(&nodes, invocation) {
                     self.machine.load(&state);
-                    let by = Move {
-                        invocation: invocation as u8,
-                        alternative: alternative as u16,
-                    };
+                    let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
                     let mut next = nodes.clone();
                     next[invocation] = moved.node;
@@ -335,7 +329,8 @@ pub(super) fn run(
     let mut runner = Runner::new(shader, contract, &cells, litmus, device);
     for (i, &by) in schedule.iter().enumerate() {
         if runner.step(by).is_none() {
-            let problem = format!("step {} is impossible: the schedule is of something else", i + 1);
+            let problem =
+                format!("step {} is impossible: the schedule is of something else", i + 1);
             return Err(Error::new("schedule", problem));
         }
     }

@@ -18,7 +18,8 @@ pub(super) fn operations(source: &str) -> BTreeMap<Place, String> {
     for at in code.find_all(".await") {
         let Some(name) = code.called_before(at) else { continue };
         let text: String = code.chars[name.clone()].iter().collect();
-        let local = code.has(&format!("async fn {text}(")) || code.has(&format!("async fn {text}<"));
+        let local =
+            code.has(&format!("async fn {text}(")) || code.has(&format!("async fn {text}<"));
         if text == "merge" || local || skipped.iter().any(|range| range.contains(&name.start)) {
             continue;
         }
@@ -165,7 +166,8 @@ fn is_constant(head: &[char]) -> bool {
     let text: String = head.iter().collect();
     let constant = |rest: &str| {
         let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        name.len() > 1 && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+        name.len() > 1
+            && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
     };
     let is_parameter = |before: &str| {
         let name: String =

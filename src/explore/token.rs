@@ -132,7 +132,10 @@ impl LitmusToken {
         if digest(&run.events) == self.digest {
             return Ok(());
         }
-        let problem = format!("its operations are not those of {} here: the method has changed since", self.method);
+        let problem = format!(
+            "its operations are not those of {} here: the method has changed since",
+            self.method
+        );
         Err(bad(&problem))
     }
 }
@@ -192,7 +195,8 @@ impl std::str::FromStr for Token {
                 _ => bad("is no token: a token begins with fl1-"),
             });
         };
-        let damaged = || bad("is damaged: its checksum does not fit (was it cut when it was copied?)");
+        let damaged =
+            || bad("is damaged: its checksum does not fit (was it cut when it was copied?)");
         let bytes = URL_SAFE_NO_PAD.decode(body).map_err(|_| damaged())?;
         if bytes.len() <= CHECK {
             return Err(damaged());
