@@ -21,6 +21,18 @@ pub(super) fn size(text: &str) -> Result<[u32; 2]> {
     }
 }
 
+/// `X,Y` in pixels, from the top left.
+///
+/// # Errors
+/// Another form.
+pub(super) fn pixel(text: &str) -> Result<[u32; 2]> {
+    let parsed = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
+    parsed.ok_or_else(|| {
+        let right = "must be COLUMN,ROW, counted from 0 at the top left, like 320,240";
+        Error::new("--pixel", format!("{text:?} {right}"))
+    })
+}
+
 /// A number of bytes, with K, M, G or T for powers of 1,024.
 ///
 /// # Errors

@@ -35,8 +35,6 @@ pub struct Plan {
     pub simt: bool,
     /// Helper invocations beside the first fragments.
     pub helpers: u32,
-    /// States per instance.
-    pub states: usize,
 }
 
 impl Default for Plan {
@@ -51,7 +49,6 @@ impl Default for Plan {
             progress: vec![Progress::Obe, Progress::Fair],
             simt: true,
             helpers: 0,
-            states: 5_000_000,
         }
     }
 }
@@ -192,6 +189,42 @@ impl Survey {
             row.verdict = Verdict::Verified;
         }
         row
+    }
+
+    /// Every result of the instances with exactly so many fragments, of distinct depths on one pixel, as one row each.
+    #[must_use]
+    pub fn outcomes(
+        subject: &Subject,
+        plan: &Plan,
+        memory: MemoryModel,
+        limits: &Limits<'_>,
+    ) -> Vec<Row> {
+        let n = plan.fragments_under(memory);
+        let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
+        let distinct = |litmus: &Litmus| {
+            let mut depths: Vec<u32> = litmus.fragments().map(|f| f.depth).collect();
+            depths.dedup();
+            depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
+        };
+        let instances = litmus::of_size(subject.contract, &family, n);
+        let device = Device { memory, warp: None };
+        let row = |litmus: Litmus| {
+            let survey = super::scene::survey(subject, &litmus, device, limits);
+            let explored = &survey.explored[0].1;
+            let mut row = survey.blank(None);
+            row.instance = litmus.describe();
+            row.outcomes = outcomes(explored);
+            row.verdict =
+                if explored.complete { Verdict::Verified } else { Verdict::Unknown };
+            row.message = format!(
+                "{}{} results, {} states",
+                if explored.complete { "" } else { "at least " },
+                explored.outcomes.len(),
+                explored.states
+            );
+            row
+        };
+        instances.into_iter().filter(distinct).map(row).collect()
     }
 
     fn blank(&self, property: Option<Property>) -> Row {

@@ -1,9 +1,9 @@
 //! Verdicts: what a check found, with its bound.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Three values, because a search that hit a bound has not verified anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Holds, within the bound that stands beside it.
