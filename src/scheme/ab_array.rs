@@ -109,7 +109,8 @@ impl<T: Ticket> Scheme for AbArray<T> {
             mem.store(counter, slot + 1, Order::Relaxed).await;
             slot
         };
-        if if T::BOUNDED { slot >= self.slots } else { slot > self.slots } {
+        let beyond = if T::BOUNDED { slot >= self.slots } else { slot > self.slots };
+        if beyond {
             return Outcome::Overflow;
         }
         mem.plain_store(self.records.at(fragment.pixel, slot), fragment.key()).await;

@@ -185,7 +185,12 @@ impl<V: Variant> Scheme for KPlusArray<V> {
         let mut failures = 0;
         loop {
             let attempt = mem.block();
-            if !V::SECTION_IN_LOOP || self.lock.try_acquire(mem, pixel, V::LOCK).await == FREE {
+            let found = if V::SECTION_IN_LOOP {
+                self.lock.try_acquire(mem, pixel, V::LOCK).await
+            } else {
+                FREE
+            };
+            if found == FREE {
                 let count = mem.load(counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
@@ -206,29 +211,33 @@ impl<V: Variant> Scheme for KPlusArray<V> {
                         mem.store(counter, count + 1, V::COUNTER_RAISE).await;
                     }
                     outcome = Outcome::Kept;
-                } else if !V::SECOND_TEST
-                    || V::is_nearer(fragment, pair_key(self.entry(mem, pixel, 0).await))
-                {
-                    // Find who will be the farthest before anything is written.
-                    if !V::FARTHEST_FIRST {
-                        self.put(mem, pixel, 0, fragment.key()).await;
+                } else {
+                    let mut farthest = u64::MAX;
+                    if V::SECOND_TEST {
+                        farthest = pair_key(self.entry(mem, pixel, 0).await);
                     }
-                    let (mut place, mut farthest) = (0, fragment.key());
-                    for i in 1..self.k {
-                        // The data word decides only among equal depths, and is read only then.
-                        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
-                        if depth >= depth_of(farthest) {
-                            let entry = key(depth, mem.plain_load(self.data.at(pixel, i)).await);
-                            if entry > farthest {
-                                (place, farthest) = (i, entry);
+                    if V::is_nearer(fragment, farthest) {
+                        // Find who will be the farthest before anything is written.
+                        if !V::FARTHEST_FIRST {
+                            self.put(mem, pixel, 0, fragment.key()).await;
+                        }
+                        let (mut place, mut farthest) = (0, fragment.key());
+                        for i in 1..self.k {
+                            // The data word decides only among equal depths, and is read only then.
+                            let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+                            if depth >= depth_of(farthest) {
+                                let data = mem.plain_load(self.data.at(pixel, i)).await;
+                                if key(depth, data) > farthest {
+                                    (place, farthest) = (i, key(depth, data));
+                                }
                             }
                         }
+                        if place != 0 {
+                            self.put(mem, pixel, place, fragment.key()).await;
+                        }
+                        self.put(mem, pixel, 0, farthest).await;
+                        outcome = Outcome::Evicted;
                     }
-                    if place != 0 {
-                        self.put(mem, pixel, place, fragment.key()).await;
-                    }
-                    self.put(mem, pixel, 0, farthest).await;
-                    outcome = Outcome::Evicted;
                 }
                 match V::UNLOCK {
                     Unlock::Write(access) => self.lock.release(mem, pixel, access).await,

@@ -115,7 +115,8 @@ impl<L: Locking> Scheme for KPlusArrayPublished<L> {
         let mark = mem.mark();
         loop {
             let attempt = mem.block();
-            if mem.exchange(self.semaphore.at(pixel, 0), 1, L::LOCK).await == 0 {
+            let found = mem.exchange(self.semaphore.at(pixel, 0), 1, L::LOCK).await;
+            if found == 0 {
                 let count = mem.plain_load(self.counter.at(pixel, 0)).await;
                 let outcome = if count < self.k {
                     self.insert_empty(mem, fragment, count).await
