@@ -10,7 +10,7 @@ use crate::explore::claims::claim_by_id;
 use crate::explore::expect::{self, Expectation};
 use crate::explore::{
     Device, Executions, Limits, MemoryModel, Plan, Profile, Progress, Row, Subject, Survey, check,
-    cut, matrix, properties, subject, survey,
+    cut, matrix, properties, sampled, subject,
 };
 use crate::render::{Exec, Options, Sim};
 use crate::report::{json, verdicts};
@@ -57,7 +57,8 @@ pub(super) struct Args {
     #[arg(short, value_name = "K", allow_negative_numbers = true)]
     k: Option<u32>,
 
-    /// With --scene, executions on the simulated device, with seeds one after another
+    /// With --scene, executions on the simulated device, with seeds one after another; with --pixel, random runs where
+    /// there are too many interleavings to explore
     #[arg(long, value_name = "N", default_value_t = 20, allow_negative_numbers = true)]
     executions: u64,
 
@@ -213,10 +214,10 @@ fn on_scene(
         ..Options::default()
     };
     options.check(subject.contract)?;
+    if args.executions == 0 {
+        return Err(Error::new("--executions", "is 0, but must be at least 1"));
+    }
     let Some(pixel) = args.pixel.as_deref().map(values::pixel).transpose()? else {
-        if args.executions == 0 {
-            return Err(Error::new("--executions", "is 0, but must be at least 1"));
-        }
         let executions = Executions {
             name: name.to_owned(),
             schedule: args.schedule.clone(),
@@ -229,7 +230,7 @@ fn on_scene(
     let mut rows = Vec::new();
     for &memory in &plan.memory {
         let device = Device { memory, warp: None };
-        let survey = survey(subject, &litmus, device, limits);
+        let survey = sampled(subject, &litmus, device, args.executions, limits)?;
         rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
     }
     Ok(rows)
@@ -290,12 +291,7 @@ fn plan(args: &Args) -> Result<Plan> {
     if args.memory_model.as_deref() != Some("sc") {
         memory.extend(profiles.into_iter().map(MemoryModel::Relaxed));
     }
-    let mut plan = Plan {
-        fragments: args.n,
-        memory,
-        helpers: args.helpers,
-        ..Plan::default()
-    };
+    let mut plan = Plan { fragments: args.n, memory, helpers: args.helpers, ..Plan::default() };
     if let Some(k) = args.k {
         plan.ks = vec![k];
     }

@@ -12,8 +12,8 @@ use crate::explore::token::{LitmusToken, SceneToken};
 use crate::explore::{Limits, Token};
 use crate::image::png;
 use crate::render::{Exec, Options, Rendering, Sim, render};
-use crate::report::{files, json, table};
 use crate::report::text::{Align, columns};
+use crate::report::{files, json, table};
 use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
@@ -156,7 +156,11 @@ fn scene(args: &Args, token: &SceneToken, limits: &Limits<'_>) -> Result<Verdict
     if args.minimise {
         let cut = || minimise_scene(&scene, &options, limits);
         let smaller = wait::during(quiet, "minimising", cut)?;
-        return litmus(&Args { token: String::new(), minimise: true, out: None, ..args.copy() }, &smaller, limits);
+        return litmus(
+            &Args { token: String::new(), minimise: true, out: None, ..args.copy() },
+            &smaller,
+            limits,
+        );
     }
     report(args, &scene, &drawn)
 }
@@ -165,7 +169,11 @@ fn report(args: &Args, scene: &Scene, drawn: &Rendering) -> Result<Verdict> {
     let text = if args.output.json {
         json::document(&drawn.report)?
     } else {
-        format!("{} again, with the same fragments\n{}", scene.name, table::accounting(&drawn.report))
+        format!(
+            "{} again, with the same fragments\n{}",
+            scene.name,
+            table::accounting(&drawn.report)
+        )
     };
     say::result(&text)?;
     let lost = drawn.report.dropped.get("lost").is_some_and(|&n| n > 0);

@@ -85,6 +85,8 @@ pub struct Survey {
     pub planned: u32,
     /// The largest size explored.
     pub reached: u32,
+    /// What was explored, if it was no family of instances.
+    pub given: Option<String>,
 }
 
 impl Survey {
@@ -97,6 +99,7 @@ impl Survey {
             explored: Vec::new(),
             planned: family.fragments,
             reached: 0,
+            given: None,
         };
         for n in 1..=family.fragments {
             let instances = litmus::of_size(subject.contract, family, n);
@@ -214,8 +217,7 @@ impl Survey {
             let mut row = survey.blank(None);
             row.instance = litmus.describe();
             row.outcomes = outcomes(explored);
-            row.verdict =
-                if explored.complete { Verdict::Verified } else { Verdict::Unknown };
+            row.verdict = if explored.complete { Verdict::Verified } else { Verdict::Unknown };
             row.message = format!(
                 "{}{} results, {} states",
                 if explored.complete { "" } else { "at least " },

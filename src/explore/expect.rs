@@ -45,7 +45,10 @@ pub fn parse(place: &str, text: &str) -> Result<Vec<Expectation>> {
         Error::new(place, format!("{line}{message}"))
     })?;
     if file.expect.is_empty() {
-        return Err(Error::new(place, "expect: there is no expectation; give at least one [[expect]]"));
+        return Err(Error::new(
+            place,
+            "expect: there is no expectation; give at least one [[expect]]",
+        ));
     }
     Ok(file.expect)
 }

@@ -61,7 +61,11 @@ pub fn minimise_litmus(token: &LitmusToken, limits: &Limits<'_>) -> Result<Litmu
 ///
 /// # Errors
 /// Nothing fails, or only in ways that one pixel does not show.
-pub fn minimise_scene(scene: &Scene, options: &Options, limits: &Limits<'_>) -> Result<LitmusToken> {
+pub fn minimise_scene(
+    scene: &Scene,
+    options: &Options,
+    limits: &Limits<'_>,
+) -> Result<LitmusToken> {
     let subject = subject(&options.method)?;
     let k = options.k.or(subject.contract.default_k);
     let exact = Options {
@@ -99,7 +103,10 @@ fn cut(
     options: &Options,
     pixel: [u32; 2],
 ) -> Result<Option<Failure>> {
-    struct W { fragments: Vec<crate::fragment::Fragment>, steps: Vec<u32> }
+    struct W {
+        fragments: Vec<crate::fragment::Fragment>,
+        steps: Vec<u32>,
+    }
     let _ = (scene, pixel);
     let watched = W { fragments: vec![], steps: vec![] };
     let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
@@ -179,7 +186,10 @@ impl Failure {
             let gone = at as u8;
             let moves = self.schedule.iter().filter(|by| by.invocation != gone);
             let moves: Schedule = moves
-                .map(|by| Move { invocation: by.invocation - u8::from(by.invocation > gone), ..*by })
+                .map(|by| Move {
+                    invocation: by.invocation - u8::from(by.invocation > gone),
+                    ..*by
+                })
                 .collect();
             let smaller = !litmus.fragments.is_empty();
             match smaller.then(|| self.shows(&litmus, &moves)).flatten() {
@@ -207,8 +217,7 @@ impl Failure {
                 at += 1;
                 continue;
             };
-            let length =
-                rest[begin..].iter().take_while(|by| by.invocation == before).count();
+            let length = rest[begin..].iter().take_while(|by| by.invocation == before).count();
             let mut moves = self.schedule[..at].to_vec();
             moves.extend_from_slice(&rest[begin..begin + length]);
             moves.extend_from_slice(&rest[..begin]);
@@ -228,8 +237,7 @@ impl Failure {
         }
         let shader = (self.subject.make)(&self.litmus.config());
         let contract = self.subject.contract;
-        let explored =
-            exhaustive::explore(&*shader, contract, &self.litmus, self.device, limits);
+        let explored = exhaustive::explore(&*shader, contract, &self.litmus, self.device, limits);
         if let Some(found) = explored.violations.get(&self.property)
             && found.schedule.len() < self.schedule.len()
         {

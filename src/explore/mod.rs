@@ -36,7 +36,7 @@ pub use machine::{Device, Final};
 pub use model::{MemoryModel, Profile};
 pub use progress::Progress;
 pub use property::Property;
-pub use scene::{Executions, cut, survey};
+pub use scene::{Executions, cut, sampled, survey};
 pub use shader::{Ended, Subject, Task, subject};
 pub use token::Token;
 pub use verdict::{Row, Verdict};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::check::Survey;
-use super::exhaustive::{self, Limits};
+use super::exhaustive::{self, Found, Limits};
 use super::litmus::Litmus;
 use super::machine::{Device, MOST_INVOCATIONS};
 use super::model::MemoryModel;
@@ -13,7 +13,9 @@ use super::property::Property;
 use super::shader::Subject;
 use super::token::{SceneToken, Token};
 use super::verdict::{Row, Verdict};
+use super::walk::walk;
 use crate::error::{Error, Result};
+use crate::exec::sim::policy::{self, Settings};
 use crate::fragment::Fragment;
 use crate::raster::primitive::Rect;
 use crate::raster::{Batch, FrontEnd, Grid, Record};
@@ -77,7 +79,13 @@ impl Executions {
         }
     }
 
-    fn run(&self, scene: &Scene, sim: &Sim, i: u64, limits: &Limits<'_>) -> Result<Option<Executed>> {
+    fn run(
+        &self,
+        scene: &Scene,
+        sim: &Sim,
+        i: u64,
+        limits: &Limits<'_>,
+    ) -> Result<Option<Executed>> {
         if (limits.cancelled)() {
             return Ok(None);
         }
@@ -114,8 +122,10 @@ impl Executions {
                 }
             }
             None => {
-                row.message =
-                    format!("{} executions equal the exact fragments; a sample, no proof", done.len());
+                row.message = format!(
+                    "{} executions equal the exact fragments; a sample, no proof",
+                    done.len()
+                );
             }
         }
         row
@@ -183,7 +193,12 @@ impl Executions {
 ///
 /// # Errors
 /// The pixel is outside of the picture, has no fragments, or too many to be explored.
-pub fn cut(subject: &Subject, scene: &Scene, options: &Options, [x, y]: [u32; 2]) -> Result<Litmus> {
+pub fn cut(
+    subject: &Subject,
+    scene: &Scene,
+    options: &Options,
+    [x, y]: [u32; 2],
+) -> Result<Litmus> {
     let [width, height] = scene.size;
     let wrong = |problem: String| Error::new("--pixel", problem);
     if x >= width || y >= height {
@@ -233,12 +248,60 @@ fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
     found
 }
 
-/// Explore one instance, for one row per property.
+/// Explore one given instance, for one row per property.
 #[must_use]
 pub fn survey(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limits<'_>) -> Survey {
     let shader = (subject.make)(&litmus.config());
     let explored = exhaustive::explore(&*shader, subject.contract, litmus, device, limits);
     let n = litmus.fragments.len() as u32;
+    let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
+    let given = Some(format!("these {n} fragments{k}"));
     let explored = vec![(litmus.clone(), explored)];
-    Survey { subject: *subject, device, explored, planned: n, reached: n }
+    Survey { subject: *subject, device, explored, planned: n, reached: n, given }
+}
+
+/// As [`survey`]; where a bound keeps it from an answer, so many random runs look for a violation, which is then cut
+/// down. What they do not find stays unknown.
+///
+/// # Errors
+/// None that a random policy has.
+pub fn sampled(
+    subject: &Subject,
+    litmus: &Litmus,
+    device: Device,
+    runs: u64,
+    limits: &Limits<'_>,
+) -> Result<Survey> {
+    let mut survey = survey(subject, litmus, device, limits);
+    let explored = &mut survey.explored[0].1;
+    if explored.complete {
+        return Ok(survey);
+    }
+    let shader = (subject.make)(&litmus.config());
+    let one = |seed: u64| {
+        let settings = Settings {
+            policy: policy::Kind::Random,
+            seed,
+            resident: MOST_INVOCATIONS,
+            record: false,
+            fingerprint: 0,
+        };
+        walk(&*shader, subject.contract, litmus, device, &settings, limits)
+    };
+    let all: Vec<_> = (0..runs).into_par_iter().map(one).collect::<Result<_>>()?;
+    let mut ended = 0;
+    for (schedule, run) in all.into_iter().flatten() {
+        ended += 1;
+        for (property, message) in run.violations() {
+            let found = Found { message: message.clone(), schedule: schedule.clone() };
+            explored.violations.entry(*property).or_insert(found);
+        }
+        if let Some(end) = &run.end {
+            explored.outcomes.entry(end.lists.clone()).or_insert(schedule);
+        }
+    }
+    if let Some(given) = &mut survey.given {
+        *given += &format!(", and {ended} random runs");
+    }
+    Ok(survey)
 }

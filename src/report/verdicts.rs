@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::text::{Align, columns, thousands};
 use crate::explore::matrix::{Kill, Line};
-use crate::explore::{Row, Verdict};
+use crate::explore::{Row, Token, Verdict};
 
 /// One line per verdict; under a violation its message, its results where they differ, and its token.
 #[must_use]
@@ -27,7 +27,9 @@ pub fn table(rows: &[Row]) -> String {
             let _ = writeln!(text, "    all results: {}", row.outcomes.join("  "));
         }
         if let Some(token) = &row.token {
-            let _ = writeln!(text, "    fragloom replay {token} --trace");
+            let of_scene = matches!(token.parse(), Ok(Token::Scene(_)));
+            let how = if of_scene { "--minimise" } else { "--trace" };
+            let _ = writeln!(text, "    fragloom replay {token} {how}");
         }
     }
     text + &bounds(rows)
@@ -78,7 +80,14 @@ pub fn outcomes(rows: &[Row]) -> String {
     for row in rows {
         let under = [Some(row.memory.as_str()), row.profile.as_deref()];
         let under: Vec<&str> = under.into_iter().flatten().collect();
-        let _ = writeln!(text, "{} ({}), {}: {}", row.method, under.join(" "), row.instance, row.message);
+        let _ = writeln!(
+            text,
+            "{} ({}), {}: {}",
+            row.method,
+            under.join(" "),
+            row.instance,
+            row.message
+        );
         for outcome in &row.outcomes {
             let _ = writeln!(text, "    {outcome}");
         }
