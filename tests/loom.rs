@@ -6,6 +6,9 @@
 
 #[path = "support/loom_memory.rs"]
 mod loom_memory;
+#[path = "../examples/user_scheme.rs"]
+#[allow(dead_code, reason = "its main function")]
+mod user_scheme;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,6 +25,7 @@ use fragloom::scheme::z_buffer::{self, ZBuffer};
 use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
 use loom::sync::Arc;
 use loom_memory::{Loom, Storage};
+use user_scheme::CasList;
 
 /// Run a model; how many executions loom explored, or the message of the one that failed.
 fn explore(model: impl Fn() + Sync + Send + 'static) -> Result<usize, String> {
@@ -250,4 +254,12 @@ fn the_other_insertions_lose_nothing() {
     holds("ab-array, 2x2", 100, insertion::<AbArray<AtomicAdd>>(k(4), &[&[5, 1], &[3, 2]], 2));
     holds("ab-ll, 2x2", 20_000, insertion::<AbLinkedList>(k(1), &[&[5, 1], &[3, 2]], 2));
     holds("z-buffer, 3x1", 500, insertion::<ZBuffer>(k(1), &[&[5], &[3], &[3]], 2));
+}
+
+/// The list by compare-exchange of `examples/user_scheme.rs`, which tries again where the head has changed.
+#[test]
+fn a_list_by_compare_exchange_loses_nothing() {
+    holds("list by CAS, 2x1", 10, insertion::<CasList<false>>(k(1), &[&[5], &[3]], 2));
+    holds("list by CAS, 2x2", 100, insertion::<CasList<false>>(k(1), &[&[5, 1], &[3, 2]], 2));
+    is_caught("list by CAS, broken", insertion::<CasList<true>>(k(1), &[&[5], &[3]], 2));
 }

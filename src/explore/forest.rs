@@ -291,8 +291,12 @@ impl<'a> Forest<'a> {
     /// How many comparisons [`Self::check_claims`] makes at most.
     const MOST_COMPARISONS: usize = 20_000;
 
+    /// How often a wait is repeated, to find what counts its attempts.
+    const ROUNDS: usize = 16;
+
     /// Follow every edge that a wait closed on the unmerged invocation, through all that was explored below its
-    /// target: what comes next must be the same. The number of comparisons, and the first that failed.
+    /// target, and round and round the wait itself: what comes next must be the same. The number of comparisons, and
+    /// the first that failed.
     pub(super) fn check_claims(&self) -> std::result::Result<usize, String> {
         let mut compared = 0;
         let mut below: BTreeMap<NodeId, Vec<(NodeId, Vec<Answer>)>> = BTreeMap::new();
@@ -312,15 +316,50 @@ impl<'a> Forest<'a> {
                 let task = self.task(from);
                 let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
                 if !self.agrees(*node, &next) {
-                    let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
-                    return Err(format!(
-                        "after the wait that follows {site}, the invocation does not do what it did before: a mark \
-                         claims more than is true"
-                    ));
+                    return Err(self.lie(from));
                 }
             }
+            compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
         }
         Ok(compared)
+    }
+
+    /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were.
+    fn go_round(&self, from: NodeId, answer: u64, target: NodeId) -> Option<usize> {
+        let task = self.task(from);
+        let mut answers = self.answers(Some((from, answer)));
+        let round = answers.split_off(self.answers(self.node(target).parent).len());
+        let mut nodes = vec![from];
+        while let Some(&last) = nodes.last()
+            && last != target
+        {
+            nodes.push(self.node(last).parent?.0);
+        }
+        nodes.reverse();
+        answers.extend(&round);
+        for _ in 0..Self::ROUNDS {
+            answers.push(Answer::Again);
+            for (&node, &result) in nodes.iter().zip(&round) {
+                let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+                if !self.agrees(node, &next) {
+                    return None;
+                }
+                answers.push(result);
+            }
+            let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+            if !matches!(next, Next::Back(..)) {
+                return None;
+            }
+        }
+        Some(Self::ROUNDS * (round.len() + 1))
+    }
+
+    fn lie(&self, from: NodeId) -> String {
+        let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
+        format!(
+            "after the wait that follows {site}, the invocation does not do what it did before: a mark claims more \
+             than is true"
+        )
     }
 
     /// Every node below one, with the answers that lead there, the node itself first.

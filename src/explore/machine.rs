@@ -97,6 +97,11 @@ impl<'a> Machine<'a> {
         self.device.memory == MemoryModel::Sequential
     }
 
+    /// Some operation was left out for want of room.
+    pub(super) fn is_full(&self) -> bool {
+        self.model.full()
+    }
+
     pub(super) fn head(&self) -> usize {
         self.head
     }
@@ -129,6 +134,12 @@ impl<'a> Machine<'a> {
         }
     }
 
+    /// The locks that an invocation holds, one bit each. A helper holds none, whatever its updates returned.
+    pub(super) fn held(&self, nodes: &[NodeId], invocation: usize) -> u32 {
+        let helps = self.litmus.is_helper(invocation);
+        if helps { 0 } else { self.forest.node(nodes[invocation]).held }
+    }
+
     /// Move an invocation; the model's state changes with it.
     pub(super) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
         let (fault, step) = (self.forest.node(node).fault, self.forest.node(node).step);
@@ -139,7 +150,8 @@ impl<'a> Machine<'a> {
                 result = self.helper(invocation, cell, action, by.alternative);
             } else {
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
-                race = self.model.race();
+                // What a helper reads has no effect, so that it is no race either.
+                race = self.model.race().filter(|race| !self.litmus.is_helper(race.other));
             }
         }
         let node = self.forest.child(node, result);
@@ -147,6 +159,8 @@ impl<'a> Machine<'a> {
             Step::Ended(_) => self.forest.node(node).fault,
             _ => None,
         });
+        // What a helper does to a lock has no effect, and what it believes to hold it does not.
+        let fault = fault.filter(|f| *f == Fault::Outside || !self.litmus.is_helper(invocation));
         Moved { node, result, fault, race }
     }
 

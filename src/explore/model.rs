@@ -145,6 +145,11 @@ pub(super) trait Model {
     /// The race that the last operation was part of.
     fn race(&self) -> Option<Race>;
 
+    /// Whether an operation was ever left out for want of room: what was explored is then not all.
+    fn full(&self) -> bool {
+        false
+    }
+
     /// Encode the state; `live` has a bit for every invocation that has not ended.
     fn store(&self, live: u32, into: &mut Vec<u32>);
 

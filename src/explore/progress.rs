@@ -12,7 +12,7 @@ use super::litmus::Litmus;
 use super::machine::{Device, MOST_INVOCATIONS, Machine};
 use super::model::MemoryModel;
 use super::schedule::{Move, Schedule};
-use super::shader::Shader;
+use super::shader::{Shader, Subject};
 use super::space::{Space, StateId};
 use crate::memory::asked::Cells;
 use crate::scheme::Contract;
@@ -87,6 +87,19 @@ pub struct Progressed {
     pub states: usize,
     /// For each model of [`Progress::ALL`], how it fails to end.
     pub lassos: [Option<Lasso>; 6],
+}
+
+/// Whether one instance of a method ends, under every model; with `warp`, as lanes that come together. `None` if not all
+/// of its states were visited.
+#[must_use]
+pub fn ends(
+    subject: &Subject,
+    litmus: &Litmus,
+    warp: Option<u32>,
+    limits: &Limits<'_>,
+) -> Option<Progressed> {
+    let shader = (subject.make)(&litmus.config());
+    explore(&*shader, subject.contract, litmus, warp, limits)
 }
 
 /// Whether an instance ends under every model; `None` if its graph was not completed.
@@ -322,5 +335,93 @@ mod tests {
         assert_eq!(who(0b1111, 0b0000), [0, 0b0001, 0, 0b0001, 0, 0b1111]);
         assert_eq!(who(0b1111, 0b0100), [0, 0b0001, 0b0100, 0b0101, 0b0111, 0b1111]);
         assert_eq!(who(0b1110, 0b0101), [0, 0b0010, 0b0100, 0b0110, 0b0110, 0b1110]);
+    }
+
+    /// Look at a hand-made graph, whose state n was reached by n moves of invocation 7.
+    fn look<T>(graph: Graph, at: impl Fn(&Endings<'_>) -> T) -> T {
+        let subject = super::super::subject("z-buffer").expect("a method");
+        let litmus = Litmus { pixels: 1, k: None, room: 1, fragments: vec![(0, 0, 0)], helpers: 0 };
+        let shader = (subject.make)(&litmus.config());
+        let cells = Cells::new(shader.layout(), 1);
+        let device = Device { memory: MemoryModel::Sequential, warp: None };
+        let machine = Machine::new(&*shader, subject.contract, &cells, &litmus, device, true);
+        let mut space = Space::new();
+        for state in 0..graph.states() as StateId {
+            let by = Move { invocation: 7, alternative: 0 };
+            space.insert(&[state], state.saturating_sub(1), by);
+        }
+        at(&Endings { graph, space, machine })
+    }
+
+    /// A ring of 1, 2, 3 that invocations 0 and 1 move, 2 with a step of its own back; 4 waits alone; 5 is the end.
+    fn rings() -> Graph {
+        Graph::of(
+            6,
+            &[
+                (0, 0, 1),
+                (1, 0, 2),
+                (2, 1, 3),
+                (2, 0, 1),
+                (3, 0, 1),
+                (3, 1, 4),
+                (4, 1, 4),
+                (4, 0, 5),
+            ],
+        )
+    }
+
+    #[test]
+    fn parts_are_those_that_the_set_moves() {
+        let parts = |set| look(rings(), |endings| endings.parts(set));
+        assert_eq!(parts(0b01), [vec![1, 2]]);
+        assert_eq!(parts(0b10), [vec![4]]);
+        assert_eq!(parts(0b11), [vec![1, 2, 3], vec![4]]);
+        assert_eq!(parts(0b100), Vec::<Vec<usize>>::new());
+    }
+
+    /// Against reachability, on random graphs.
+    #[test]
+    fn parts_are_mutually_reachable() {
+        const STATES: usize = 9;
+        for seed in 0..300 {
+            let random = |i: usize| crate::num::random::bits(seed, 1, i as u64);
+            let edge = |i: usize| (i / 2, (i % 2) as u8, random(i) as StateId % STATES as StateId);
+            let edges: Vec<_> =
+                (0..2 * STATES).filter(|&i| random(i) >> 62 != 0).map(edge).collect();
+            for set in 1..4u32 {
+                let mut reaches = [[false; STATES]; STATES];
+                for &(from, _, to) in edges.iter().filter(|edge| set & (1 << edge.1) != 0) {
+                    reaches[from][to as usize] = true;
+                }
+                for via in 0..STATES {
+                    for from in 0..STATES {
+                        for to in 0..STATES {
+                            reaches[from][to] |= reaches[from][via] && reaches[via][to];
+                        }
+                    }
+                }
+                let with = |a: usize| (0..STATES).filter(|&b| reaches[a][b] && reaches[b][a]);
+                let mut expected: Vec<Vec<usize>> =
+                    (0..STATES).filter(|&a| reaches[a][a]).map(|a| with(a).collect()).collect();
+                expected.sort();
+                expected.dedup();
+                let found = look(Graph::of(STATES, &edges), |endings| endings.parts(set));
+                assert_eq!(found, expected, "{edges:?} by {set:b}");
+            }
+        }
+    }
+
+    /// The walk goes round, moves everybody, and each of its moves is possible where it stands.
+    #[test]
+    fn a_lasso_comes_back_and_moves_everybody() {
+        let by = |invocation, alternative| Move { invocation, alternative };
+        let lasso = look(rings(), |endings| endings.lasso(&[1, 2, 3], 0b11));
+        assert_eq!(lasso.stem, [by(7, 0)]);
+        assert_eq!(lasso.cycle, [by(0, 0), by(1, 0), by(0, 0)]);
+        let lasso = look(rings(), |endings| endings.lasso(&[4], 0b10));
+        assert_eq!((lasso.stem.len(), lasso.cycle), (4, vec![by(1, 0)]));
+        let other_value = Graph::of(2, &[(0, 0, 1), (0, 0, 0)]);
+        let lasso = look(other_value, |endings| endings.lasso(&[0], 0b1));
+        assert_eq!(lasso.cycle, [by(0, 1)], "the second of its values");
     }
 }

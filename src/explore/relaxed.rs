@@ -6,8 +6,8 @@
 //! invocation  cur: what it has seen; acq: what a barrier would let it see; rel: what it had seen at its last barrier
 //! load        any message from cur on; an acquire load joins the message's view to cur, any load to acq
 //! store       appends; the message's view is cur for a release store, else rel, and the message itself
-//! update      reads the last message, appends one with that message's view too (release sequence); one that changes
-//!             nothing and releases nothing appends nothing, which keeps a spin lock finite
+//! update      reads the last message, appends one with that message's view too (release sequence); one that leaves the
+//!             value as it is appends nothing unless its view says more, which keeps a spin lock finite
 //! compare-exchange  an update if the last message is as expected; or a load of any other that is not
 //! barrier     as acquire: joins acq to cur; as release: sets rel to cur
 //! plain       as relaxed; a race, if an earlier access is unordered, one of both writes and one is plain
@@ -42,7 +42,12 @@ pub(super) struct Relaxed {
     /// When each invocation last accessed each cell, by kind: its own clock then; 0 is never.
     accesses: Vec<[u8; KINDS]>,
     race: Option<Race>,
+    /// A word had no room for one more message.
+    full: bool,
 }
+
+/// Messages of a word, at most: an invocation that waits and writes may make them without end.
+const MOST_MESSAGES: usize = 250;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
@@ -115,6 +120,7 @@ impl Relaxed {
             threads: (0..invocations).map(thread).collect(),
             accesses: vec![[0; KINDS]; initial.len() * invocations],
             race: None,
+            full: false,
         }
     }
 
@@ -163,7 +169,10 @@ impl Relaxed {
         read: Option<usize>,
     ) {
         let index = self.messages[cell].len();
-        assert!(index < 255, "a word has too many messages");
+        if index == MOST_MESSAGES {
+            self.full = true;
+            return;
+        }
         let thread = &self.threads[invocation];
         let mut view = if releases { thread.cur.clone() } else { thread.rel.clone() };
         if let Some(read) = read {
@@ -172,6 +181,22 @@ impl Relaxed {
         view.from[cell] = index as u8;
         self.messages[cell].push(Message { value, unwritten: false, view });
         self.threads[invocation].cur.from[cell] = index as u8;
+    }
+
+    /// Whether an update that leaves the value as it is would tell its readers more than the message it read does: of
+    /// other words, or of plain accesses. Its own accesses to atomic words do not count, or else an exchange that
+    /// releases could never be waited with; an alarm that this adds needs plain and atomic accesses to one word.
+    fn says_more(&self, invocation: usize, cell: usize, read: usize, releases: bool) -> bool {
+        let thread = &self.threads[invocation];
+        let own = if releases { &thread.cur } else { &thread.rel };
+        let known = &self.messages[cell][read].view;
+        let others = (0..self.invocations).filter(|&other| other != invocation);
+        let released = known.clock[invocation] + 1..=own.clock[invocation];
+        own.from.iter().zip(&known.from).any(|(own, known)| own > known)
+            || others.into_iter().any(|other| own.clock[other] > known.clock[other])
+            || self.accesses[invocation..].iter().step_by(self.invocations).any(|of_cell| {
+                [false, true].iter().any(|&writes| released.contains(&of_cell[kind(writes, true)]))
+            })
     }
 
     /// What comes with reading a message.
@@ -300,7 +325,10 @@ impl Model for Relaxed {
                 let new = cut(update.apply(result), self.bits[cell]);
                 let is_last = choice.message + 1 == self.messages[cell].len();
                 let fails = matches!(update, Update::CompareExchange { expected, .. } if expected != result);
-                if is_last && !fails && (new != result || releases) {
+                if is_last
+                    && !fails
+                    && (new != result || self.says_more(invocation, cell, choice.message, releases))
+                {
                     self.append(invocation, cell, new, releases, Some(choice.message));
                 }
             }
@@ -318,6 +346,10 @@ impl Model for Relaxed {
 
     fn race(&self) -> Option<Race> {
         self.race
+    }
+
+    fn full(&self) -> bool {
+        self.full
     }
 
     fn store(&self, live: u32, into: &mut Vec<u32>) {

@@ -197,9 +197,8 @@ impl<'a> Runner<'a> {
     /// Look at the state after a step.
     fn look(&mut self, wrong: &mut Vec<(Property, String)>) {
         self.machine.load(&self.state);
-        let held = |&node: &NodeId| self.machine.forest.node(node).held;
         let mut all = 0;
-        for own in self.nodes.iter().map(held) {
+        for own in (0..self.nodes.len()).map(|i| self.machine.held(&self.nodes, i)) {
             if all & own != 0 {
                 let message = "two invocations hold the same lock".to_owned();
                 wrong.push((Property::MutualExclusion, message));

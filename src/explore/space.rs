@@ -89,3 +89,56 @@ fn spread(half: u32) -> u64 {
     // The table takes its tag from the upper bits, `insert` compares the lower half.
     (h & !0xFFFF_FFFF) | u64::from(half)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BY: Move = Move { invocation: 3, alternative: 7 };
+
+    /// Enough for the table to grow many times over.
+    #[test]
+    fn equal_states_are_found_again() {
+        let mut space = Space::new();
+        let state = |i: u32| [i, i.wrapping_mul(0x9E37_79B9), 0, i % 7];
+        for i in 0..100_000 {
+            assert_eq!(space.insert(&state(i), i / 2, BY), (i, true));
+        }
+        for i in (0..100_000).rev() {
+            assert_eq!(space.insert(&state(i), 0, BY), (i, false));
+            assert_eq!(space.get(i), state(i));
+        }
+        assert_eq!(space.len(), 100_000);
+    }
+
+    #[test]
+    fn states_of_other_lengths_are_others() {
+        let mut space = Space::new();
+        for length in 0..40u32 {
+            assert_eq!(space.insert(&vec![0; length as usize], 0, BY), (length, true));
+        }
+        assert_eq!(space.get(0), []);
+        assert_eq!(space.insert(&[0; 12], 0, BY), (12, false));
+    }
+
+    #[test]
+    fn a_path_is_how_a_state_was_first_reached() {
+        let mut space = Space::new();
+        let by = |invocation| Move { invocation, alternative: u16::from(invocation) };
+        space.insert(&[0], 0, by(9));
+        let (one, _) = space.insert(&[1], 0, by(1));
+        let (two, _) = space.insert(&[2], one, by(2));
+        assert_eq!(space.insert(&[2], 0, by(8)), (two, false));
+        assert_eq!(space.path(two), [by(1), by(2)]);
+        assert_eq!(space.path(0), []);
+    }
+
+    /// What the table compares after it has grown is what it compared before.
+    #[test]
+    fn a_hash_is_made_again_from_its_lower_half() {
+        for i in 0..10_000u32 {
+            let whole = hash(&[i, !i]);
+            assert_eq!(spread(whole as u32), whole);
+        }
+    }
+}

@@ -133,7 +133,7 @@ impl LitmusToken {
             return Ok(());
         }
         let problem = format!(
-            "its operations are not those of {} here: the method has changed since",
+            "leads to other operations of {} than it was made of: the method has changed since",
             self.method
         );
         Err(bad(&problem))
