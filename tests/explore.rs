@@ -42,7 +42,7 @@ fn survey(method: &str, memory: MemoryModel, fragments: u32) -> Survey {
 #[track_caller]
 fn keeps_its_promise(method: &str, memory: MemoryModel, fragments: u32) {
     let survey = survey(method, memory, fragments);
-    assert_eq!((survey.reached, survey.is_complete()), (fragments, true));
+    assert_eq!((survey.size, survey.is_complete()), (fragments, true));
     for property in properties(&survey.subject, memory) {
         let row = survey.row(property);
         assert_eq!((row.verdict, row.exhaustive), (Verdict::Verified, true), "{row:?}");

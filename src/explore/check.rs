@@ -84,9 +84,11 @@ pub struct Survey {
     /// Sizes planned and sizes explored to their end.
     pub planned: u32,
     /// The largest size explored.
-    pub reached: u32,
+    pub size: u32,
     /// What was explored, if it was no family of instances.
     pub given: Option<String>,
+    /// Operations that other instances of the method reach: file, line, column.
+    pub reached_elsewhere: BTreeSet<(&'static str, u32, u32)>,
 }
 
 impl Survey {
@@ -98,8 +100,9 @@ impl Survey {
             device,
             explored: Vec::new(),
             planned: family.fragments,
-            reached: 0,
+            size: 0,
             given: None,
+            reached_elsewhere: BTreeSet::new(),
         };
         for n in 1..=family.fragments {
             let instances = litmus::of_size(subject.contract, family, n);
@@ -111,7 +114,7 @@ impl Survey {
             };
             let explored: Vec<_> = instances.into_par_iter().map(explore).collect();
             survey.explored.extend(explored);
-            survey.reached = n;
+            survey.size = n;
             if survey.is_wrong() || !survey.is_complete() {
                 break;
             }
@@ -151,13 +154,17 @@ impl Survey {
         found.min_by_key(|(l, _, f)| (l.fragments.len(), l.k, f.schedule.len()))
     }
 
+    /// Operations that the instances reached: file, line, column.
+    #[must_use]
+    pub fn reached(&self) -> BTreeSet<(&'static str, u32, u32)> {
+        self.explored.iter().flat_map(|(_, e)| e.sites.iter().copied()).collect()
+    }
+
     /// Operations of the source that no instance reached.
     #[must_use]
     pub fn missed(&self) -> Vec<String> {
-        let mut reached = BTreeSet::new();
-        for (_, explored) in &self.explored {
-            reached.extend(explored.sites.iter().copied());
-        }
+        let mut reached = self.reached();
+        reached.extend(self.reached_elsewhere.iter().copied());
         let missed = sites::missed(self.subject.contract.source, &reached);
         missed.into_iter().map(|((line, _), name)| format!("{name} in line {line}")).collect()
     }
@@ -234,13 +241,17 @@ impl Survey {
         let ks: BTreeSet<u32> = self.explored.iter().filter_map(|(l, _)| l.k).collect();
         let ks: Vec<String> = ks.iter().map(ToString::to_string).collect();
         let k = if ks.is_empty() { String::new() } else { format!(", k in {{{}}}", ks.join(", ")) };
-        let patterns = match self.reached {
+        let patterns = match self.size {
             n if n > litmus::ALL_PATTERNS => {
                 format!(" (all patterns up to {}, distinct depths beyond)", litmus::ALL_PATTERNS)
             }
             _ => ", all patterns".to_owned(),
         };
-        let bound = format!("n <= {}{k}{patterns}, {}", self.reached, self.device.memory.bound());
+        let what = match &self.given {
+            Some(given) => given.clone(),
+            None => format!("n <= {}{k}{patterns}", self.size),
+        };
+        let bound = format!("{what}, {}", self.device.memory.bound());
         Row {
             method: contract.name.to_owned(),
             property: property.map(|p| p.name().to_owned()),

@@ -171,7 +171,13 @@ impl Claim {
                 };
                 let family = Family { fragments: n, ks, helpers: plan.helpers };
                 let device = Device { memory, warp: None };
-                let survey = Survey::new(&subject, &family, device, limits);
+                let mut survey = Survey::new(&subject, &family, device, limits);
+                if self.ks == Ks::Ends {
+                    // The ends alone do not reach all of a method.
+                    let all = Family { ks: plan.ks.clone(), ..family };
+                    survey.reached_elsewhere =
+                        Survey::new(&subject, &all, device, limits).reached();
+                }
                 rows.push(self.row(&survey, &check::properties(&subject, memory)));
             }
         }

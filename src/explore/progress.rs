@@ -400,7 +400,8 @@ mod tests {
                         }
                     }
                 }
-                let with = |a: usize| (0..STATES).filter(|&b| reaches[a][b] && reaches[b][a]);
+                let reaches = &reaches;
+                let with = |a: usize| (0..STATES).filter(move |&b| reaches[a][b] && reaches[b][a]);
                 let mut expected: Vec<Vec<usize>> =
                     (0..STATES).filter(|&a| reaches[a][a]).map(|a| with(a).collect()).collect();
                 expected.sort();

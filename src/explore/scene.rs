@@ -11,6 +11,7 @@ use super::machine::{Device, MOST_INVOCATIONS};
 use super::model::MemoryModel;
 use super::property::Property;
 use super::shader::Subject;
+use super::sites;
 use super::token::{SceneToken, Token};
 use super::verdict::{Row, Verdict};
 use super::walk::walk;
@@ -257,7 +258,12 @@ pub fn survey(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limit
     let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
     let given = Some(format!("these {n} fragments{k}"));
     let explored = vec![(litmus.clone(), explored)];
-    Survey { subject: *subject, device, explored, planned: n, reached: n, given }
+    // One pixel need not show all of the method: what it shows is only of these fragments.
+    let reached_elsewhere = sites::operations(subject.contract.source)
+        .into_keys()
+        .map(|(line, column)| ("", line, column))
+        .collect();
+    Survey { subject: *subject, device, explored, planned: n, size: n, given, reached_elsewhere }
 }
 
 /// As [`survey`]; where a bound keeps it from an answer, so many random runs look for a violation, which is then cut

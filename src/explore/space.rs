@@ -117,7 +117,7 @@ mod tests {
         for length in 0..40u32 {
             assert_eq!(space.insert(&vec![0; length as usize], 0, BY), (length, true));
         }
-        assert_eq!(space.get(0), []);
+        assert!(space.get(0).is_empty());
         assert_eq!(space.insert(&[0; 12], 0, BY), (12, false));
     }
 
