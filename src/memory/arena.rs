@@ -97,6 +97,20 @@ impl Owned {
         }
     }
 
+    /// Where a word of this arena's space stands in [`Self::words`]; a faulty scheme's may be beyond the end.
+    #[allow(clippy::inline_always, reason = "see `Memory`")]
+    #[inline(always)]
+    pub(super) fn index<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> usize {
+        index(&self.stride, at)
+    }
+
+    /// All words of a width.
+    #[allow(clippy::inline_always, reason = "see `Memory`")]
+    #[inline(always)]
+    pub(super) fn words<W: Word>(&self) -> &[Cell<W>] {
+        W::owned((&self.words32, &self.words64))
+    }
+
     /// Set every word to the low bits of `pattern`: what a scheme finds where its clear pass does not write.
     pub fn fill(&self, pattern: u64) {
         self.words32.iter().for_each(|w| w.set(pattern as u32));

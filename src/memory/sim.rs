@@ -3,38 +3,43 @@
 //! An operation first waits. The executor picks an invocation, grants one operation and polls: the waiting operation
 //! happens, the scheme runs on to its next one, and that one waits. Memory is sequentially consistent: an operation
 //! is a step, and steps happen one after another.
+//!
+//! What waits is kept small, since thousands of invocations stand at an operation each: it knows the index of its
+//! word, not how the index came about. And it looks at its word when it begins to wait: by the time of its turn the
+//! word is in the cache.
 
 use std::cell::Cell;
 use std::future::Future;
+use std::hint::black_box;
+use std::marker::PhantomData;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-use super::arena::{Arena, Owned, OwnedView};
-use super::{
-    Access, At, Atomic, Counters, Kind, Layout, Mark, Memory, Observer, Order, Space, Update, Word,
-};
+use super::arena::Owned;
+use super::{Access, At, Atomic, Kind, Layout, Mark, Memory, Observer, Order, Space, Update, Word};
 
-/// The memory of a simulated device.
+/// The memory of a simulated device; its operations are reported to an observer.
 #[derive(Debug)]
-pub struct Sim {
+pub struct Sim<O> {
     pixel: Owned,
     global: Owned,
     granted: Cell<bool>,
-    counters: Counters,
+    observer: O,
 }
 
-impl Sim {
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl<O: Observer> Sim<O> {
     /// Memory for `pixels` pixels. Every word starts as `pattern`, so that a scheme can rely on nothing but its clear
     /// pass.
     #[must_use]
-    pub fn new(layout: &Layout, pixels: usize, pattern: u64) -> Self {
+    pub fn new(layout: &Layout, pixels: usize, pattern: u64, observer: O) -> Self {
         let (pixel, global) =
             (Owned::new(layout.per_pixel(), pixels), Owned::new(layout.per_frame(), 1));
         if pattern != 0 {
             pixel.fill(pattern);
             global.fill(pattern);
         }
-        Self { pixel, global, granted: Cell::new(false), counters: Counters::default() }
+        Self { pixel, global, granted: Cell::new(false), observer }
     }
 
     /// Allow one operation: the next poll of an invocation performs it.
@@ -43,86 +48,107 @@ impl Sim {
         self.granted.set(true);
     }
 
-    /// Take back what was not used: the invocation had no operation left.
-    #[inline]
-    pub fn revoke(&self) {
-        self.granted.set(false);
+    /// What sees the operations.
+    pub fn observer(&self) -> &O {
+        &self.observer
     }
 
-    /// What was counted so far.
-    #[must_use]
-    pub fn counters(&self) -> &Counters {
-        &self.counters
+    #[inline(always)]
+    fn arena<S: Space>(&self) -> &Owned {
+        if S::GLOBAL { &self.global } else { &self.pixel }
     }
 
-    #[inline]
-    fn arena<S: Space>(&self) -> OwnedView<'_> {
-        if S::GLOBAL { self.global.view() } else { self.pixel.view() }
+    #[inline(always)]
+    fn step<'a, S: Space, K: Kind, W: Word, T, P>(
+        &'a self,
+        at: At<S, K, W>,
+        perform: P,
+    ) -> Step<'a, O, S, W, P>
+    where
+        P: FnMut(&'a Self, &'a Cell<W>) -> T,
+    {
+        Step { mem: self, index: self.arena::<S>().index(at), perform, typed: PhantomData }
     }
 }
 
-/// An operation that waits for its grant.
-struct Step<'a, F> {
-    granted: &'a Cell<bool>,
-    perform: F,
+/// An operation on a word that waits for its grant.
+struct Step<'a, O, S, W, P> {
+    mem: &'a Sim<O>,
+    index: usize,
+    perform: P,
+    typed: PhantomData<(S, W)>,
 }
 
-impl<T, F: FnMut() -> T + Unpin> Future for Step<'_, F> {
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl<'a, O, S, W, T, P> Future for Step<'a, O, S, W, P>
+where
+    O: Observer,
+    S: Space,
+    W: Word,
+    P: FnMut(&'a Sim<O>, &'a Cell<W>) -> T + Unpin,
+{
     type Output = T;
 
-    #[inline]
+    #[inline(always)]
     fn poll(mut self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<T> {
-        if self.granted.replace(false) { Poll::Ready((self.perform)()) } else { Poll::Pending }
+        let Self { mem, index, .. } = *self;
+        let words = mem.arena::<S>().words::<W>();
+        if mem.granted.replace(false) {
+            return Poll::Ready((self.perform)(mem, &words[index]));
+        }
+        if let Some(word) = words.get(index) {
+            black_box(word.get());
+        }
+        Poll::Pending
     }
 }
 
-impl Memory for Sim {
-    #[inline]
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl<O: Observer> Memory for Sim<O> {
+    #[inline(always)]
     fn read<S: Space, K: Kind, W: Word>(
         &self,
         at: At<S, K, W>,
         access: Access,
     ) -> impl Future<Output = W> + Unpin {
-        let perform = move || {
-            self.counters.read(access, W::BITS);
-            self.arena::<S>().read(at, access)
-        };
-        Step { granted: &self.granted, perform }
+        self.step(at, move |mem: &Self, word| {
+            mem.observer.read(access, W::BITS);
+            word.get()
+        })
     }
 
-    #[inline]
+    #[inline(always)]
     fn write<S: Space, K: Kind, W: Word>(
         &self,
         at: At<S, K, W>,
         value: W,
         access: Access,
     ) -> impl Future<Output = ()> + Unpin {
-        let perform = move || {
-            self.counters.write(access, W::BITS);
-            self.arena::<S>().write(at, value, access);
-        };
-        Step { granted: &self.granted, perform }
+        self.step(at, move |mem: &Self, word| {
+            mem.observer.write(access, W::BITS);
+            word.set(value);
+        })
     }
 
-    #[inline]
+    #[inline(always)]
     fn update<S: Space, W: Word>(
         &self,
         at: At<S, Atomic, W>,
         update: Update<W>,
-        order: Order,
+        _: Order,
     ) -> impl Future<Output = W> + Unpin {
-        let perform = move || {
-            let old = self.arena::<S>().update(at, update, order);
-            self.counters.update(update, old);
+        self.step(at, move |mem: &Self, word| {
+            let old = word.get();
+            word.set(update.apply(old));
+            mem.observer.update(update, old);
             old
-        };
-        Step { granted: &self.granted, perform }
+        })
     }
 
     /// Not an operation: the invocation goes straight on to its next attempt, which waits.
     #[inline]
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
-        self.counters.spin();
+        self.observer.spin();
         std::future::ready(())
     }
 }

@@ -15,6 +15,13 @@ fn mix(x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// Random bits as a number uniform in `0..n` (multiply-shift; the bias is below n / 2^64). `n` = 0 gives 0.
+#[inline]
+#[must_use]
+pub fn below(bits: u64, n: u64) -> u64 {
+    ((u128::from(bits) * u128::from(n)) >> 64) as u64
+}
+
 /// One stream read in order: for generators that simply want "the next one".
 #[derive(Clone, Debug)]
 pub struct Random {
@@ -36,9 +43,9 @@ impl Random {
         mix(self.base.wrapping_add(self.next - 1))
     }
 
-    /// Uniform in `0..n` (multiply-shift; the bias is below n / 2^64). `n` = 0 gives 0.
+    /// [`below`] of the next bits.
     pub fn below(&mut self, n: u64) -> u64 {
-        ((u128::from(self.bits()) * u128::from(n)) >> 64) as u64
+        below(self.bits(), n)
     }
 
     /// Uniform in [0, 1): a multiple of 2^-53.

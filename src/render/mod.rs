@@ -9,7 +9,7 @@ use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{policy, schedule};
 use crate::exec::{self, Frame, Job, Tally};
 use crate::image::Image;
-use crate::memory::{Counters, Layout};
+use crate::memory::{Counters, Layout, Observer};
 use crate::num::color::word16;
 use crate::raster::{FrontEnd, Grid, Record};
 use crate::resolve::hash::fragments_hash;
@@ -187,11 +187,8 @@ impl Visitor for Run<'_> {
             (Exec::Threads, false) => {
                 (exec::threads::run::<S, ()>(&scheme, &layout, self.job), None)
             }
-            (Exec::Sim(sim), _) => {
-                let settings = self.settings(sim);
-                let run = exec::sim::run(&scheme, &layout, self.job, &settings, GARBAGE)?;
-                (run.frame, run.schedule)
-            }
+            (Exec::Sim(sim), true) => self.simulate::<S, Counters>(&scheme, &layout, sim)?,
+            (Exec::Sim(sim), false) => self.simulate::<S, ()>(&scheme, &layout, sim)?,
         };
         Ok(Executed { frame, bytes, exec, schedule })
     }
@@ -204,9 +201,17 @@ impl Visitor for Run<'_> {
 }
 
 impl Run<'_> {
-    fn settings(&self, sim: &Sim) -> policy::Settings {
+    fn simulate<S: Scheme, O: Observer + Default>(
+        &self,
+        scheme: &S,
+        layout: &Layout,
+        sim: &Sim,
+    ) -> Result<(Frame, Option<Vec<u8>>)> {
         let Sim { policy, seed, resident, record } = sim.clone();
-        policy::Settings { policy, seed, resident, record, fingerprint: self.fingerprint }
+        let fingerprint = self.fingerprint;
+        let settings = policy::Settings { policy, seed, resident, record, fingerprint };
+        let run = exec::sim::run::<S, O>(scheme, layout, self.job, &settings, GARBAGE)?;
+        Ok((run.frame, run.schedule))
     }
 }
 

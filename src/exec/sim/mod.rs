@@ -1,13 +1,14 @@
 //! The simulated device: thousands of resident invocations, one memory operation a step.
 //!
 //! Invocations are admitted in submission order (primitive by primitive over the whole image, so that nothing depends
-//! on tiles) into a fixed number of slots. A [`Policy`] names the slot that performs the next operation. When an
+//! on tiles) into a fixed number of slots. A [policy](policy::Policy) names the slot that performs the next operation. When an
 //! invocation ends, its slot takes the next one. The sequence of slots is the schedule: it can be recorded, and run
 //! again exactly.
 //!
 //! Passes are queues of work; a barrier between two of them means that the second begins when the first has drained.
 
 pub mod device;
+mod pass;
 pub mod policy;
 pub mod schedule;
 mod submission;
@@ -17,11 +18,11 @@ use super::account::Tally;
 use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame, PixelCounts};
 use crate::error::Result;
-use crate::memory::Layout;
 use crate::memory::sim::Sim as Memory;
+use crate::memory::{Layout, Observer};
 use crate::scheme::Scheme;
-use device::{Device, Done, Work};
-use policy::{Policy, Settings};
+use device::Device;
+use policy::Settings;
 use submission::Submission;
 
 /// What a run on the simulated device gives.
@@ -37,7 +38,7 @@ pub struct Simulated {
 ///
 /// # Errors
 /// A recorded schedule that belongs to another run, or a schedule under which nothing ends any more.
-pub fn run<S: Scheme>(
+pub fn run<S: Scheme, O: Observer + Default>(
     scheme: &S,
     layout: &Layout,
     job: &Job<'_>,
@@ -45,7 +46,7 @@ pub fn run<S: Scheme>(
     pattern: u64,
 ) -> Result<Simulated> {
     let grid = &job.front.grid;
-    let mem = Memory::new(layout, grid.storage_pixels(), pattern);
+    let mem = Memory::new(layout, grid.storage_pixels(), pattern, O::default());
     let mut device = Device::new(scheme, &mem, settings)?;
     let mut watch = Stopwatch::start();
     let mut counts = PixelCounts::default();
@@ -54,21 +55,13 @@ pub fn run<S: Scheme>(
     let mut lists = vec![Vec::new(); grid.storage_pixels()];
 
     let pixels = || (0..grid.storage_pixels() as u32).filter(|&p| on_screen(job, p));
-    let clear = std::iter::once(Work::ClearFrame).chain(pixels().map(Work::Clear));
-    device.pass(clear, |_| ())?;
+    device.clear(std::iter::once(None).chain(pixels().map(Some)))?;
     watch.lap("clear");
-    let submission = Submission::new(job, &mut counts.generated).map(Work::Store);
-    device.pass(submission, |done| {
-        if let Done::Stored(pixel, outcome) = done {
-            counts.gone[pixel as usize] += u32::from(reports.report(outcome));
-        }
+    device.store(Submission::new(job, &mut counts.generated), |fragment, outcome| {
+        counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
     })?;
     watch.lap("store");
-    device.pass(pixels().map(Work::Resolve), |done| {
-        if let Done::Resolved(pixel, keys) = done {
-            lists[pixel as usize] = keys;
-        }
-    })?;
+    device.resolve(pixels(), |&pixel, keys| lists[pixel as usize] = keys)?;
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
     let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
@@ -81,7 +74,8 @@ pub fn run<S: Scheme>(
     });
     let tiles = tiles.collect();
     watch.lap("resolve");
-    let frame = Frame::new(job, tiles, &reports, mem.counters().clone());
+    let counters = mem.observer().counters().cloned().unwrap_or_default();
+    let frame = Frame::new(job, tiles, &reports, counters);
     Ok(Simulated { frame: Frame { seconds: watch.seconds(), ..frame }, schedule })
 }
 
@@ -91,9 +85,4 @@ fn on_screen(job: &Job<'_>, pixel: u32) -> bool {
     let per_tile = grid.pixels_per_tile() as u32;
     let (x, y) = grid.position((pixel / per_tile) as usize, pixel % per_tile);
     x < grid.width && y < grid.height
-}
-
-/// Make a policy by settings: see [`policy`].
-fn make(settings: &Settings) -> Result<Box<dyn Policy>> {
-    policy::make(settings)
 }

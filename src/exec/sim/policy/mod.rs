@@ -1,13 +1,15 @@
 //! Policies: who performs the next operation. One file each.
 
+mod any;
 mod order;
 mod random;
 mod recorded;
 mod round_robin;
 mod warp;
 
-use super::schedule::Reader;
-use crate::error::{Error, Result};
+use crate::error::Result;
+
+pub(super) use any::Any;
 
 /// Decides the schedule. Slots are told as they fill and empty; `next` is asked only while one is filled.
 pub trait Policy {
@@ -22,6 +24,11 @@ pub trait Policy {
     /// # Errors
     /// Only a recorded schedule can fail: at its end.
     fn next(&mut self) -> Result<u32>;
+
+    /// The slot that will probably follow: by this hint, the device has its invocation in the cache.
+    fn hint(&self) -> Option<u32> {
+        None
+    }
 
     /// Slots that are refilled together, once all of them are empty.
     fn group(&self) -> usize {
@@ -82,19 +89,5 @@ pub const MAX_WARP: u32 = 1_024;
 /// # Errors
 /// A warp of no or too many lanes, or a schedule that cannot be read.
 pub fn make(settings: &Settings) -> Result<Box<dyn Policy>> {
-    Ok(match &settings.policy {
-        Kind::Order => Box::new(order::Order::default()),
-        Kind::Reverse => Box::new(order::Reverse::default()),
-        Kind::RoundRobin => Box::new(round_robin::RoundRobin::default()),
-        Kind::Random => Box::new(random::RandomSlot::new(settings.seed)),
-        Kind::Warp(lanes) if (1..=MAX_WARP).contains(lanes) => Box::new(warp::Warp::new(*lanes)),
-        Kind::Warp(lanes) => {
-            let problem = format!("warp:{lanes}: a warp has 1 to {MAX_WARP} lanes");
-            return Err(Error::new("--schedule", problem));
-        }
-        Kind::Recorded(bytes) => {
-            let reader = Reader::new(bytes.clone(), settings.fingerprint)?;
-            Box::new(recorded::Recorded::new(reader))
-        }
-    })
+    Ok(Box::new(Any::new(settings)?))
 }

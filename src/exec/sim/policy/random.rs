@@ -2,7 +2,7 @@
 
 use super::Policy;
 use crate::error::Result;
-use crate::num::random::Random;
+use crate::num::random::{Random, below};
 
 /// The stream of this policy's random numbers.
 const STREAM: u64 = 0x5C4E_D01E;
@@ -11,13 +11,23 @@ const STREAM: u64 = 0x5C4E_D01E;
 #[derive(Debug)]
 pub(super) struct RandomSlot {
     random: Random,
+    /// The bits of the next pick, drawn a step ahead: a step that was mispredicted does not wait for them.
+    bits: u64,
     live: Vec<u32>,
     places: Vec<usize>,
 }
 
 impl RandomSlot {
     pub(super) fn new(seed: u64) -> Self {
-        Self { random: Random::new(seed, STREAM), live: Vec::new(), places: Vec::new() }
+        let mut random = Random::new(seed, STREAM);
+        let bits = random.bits();
+        Self { random, bits, live: Vec::new(), places: Vec::new() }
+    }
+
+    /// Whom the drawn bits name, as things stand.
+    #[inline]
+    fn pick(&self) -> Option<u32> {
+        self.live.get(below(self.bits, self.live.len() as u64) as usize).copied()
     }
 }
 
@@ -38,8 +48,15 @@ impl Policy for RandomSlot {
         }
     }
 
+    #[inline]
     fn next(&mut self) -> Result<u32> {
-        let pick = self.random.below(self.live.len() as u64) as usize;
-        Ok(self.live.get(pick).copied().unwrap_or(u32::MAX))
+        let slot = self.pick();
+        self.bits = self.random.bits();
+        Ok(slot.unwrap_or(u32::MAX))
+    }
+
+    #[inline]
+    fn hint(&self) -> Option<u32> {
+        self.pick()
     }
 }

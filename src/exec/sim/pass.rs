@@ -1,0 +1,193 @@
+//! One pass: slots, invocations and steps.
+//!
+//! What a step costs is mostly waiting: for the branch that depends on where the invocation stands, which no processor
+//! foresees under a random schedule, and for the cache. So the loop is kept short, everything it needs next is asked
+//! for a step ahead, and invocations are nothing but the futures of their scheme.
+
+use std::future::Future;
+use std::hint::black_box;
+use std::ops::Range;
+use std::pin::Pin;
+use std::task::{Context, Poll, Waker};
+
+use super::policy::{Any, Policy};
+use super::schedule::Recorder;
+use crate::error::{Error, Result};
+use crate::memory::Observer;
+use crate::memory::sim::Sim;
+
+/// Steps without any invocation ending, after which a schedule is taken to hang.
+const PATIENCE: u64 = 200_000_000;
+
+/// The invocations of a pass: those that wait for a slot, and those in slots.
+pub(super) struct Pass<'a, O, W, F, Q, I, D> {
+    mem: &'a Sim<O>,
+    policy: &'a mut Any,
+    /// Work for invocations, in the order of their admission.
+    queue: Q,
+    /// Makes an invocation of work.
+    invoke: I,
+    /// Takes its result.
+    done: D,
+    /// By slot. A box is made once; one invocation after another is set into it.
+    invocations: Vec<Pin<Box<Option<F>>>>,
+    /// By slot; apart from the invocations, so that a step touches little memory.
+    work: Vec<Option<W>>,
+    /// Slots are refilled when all `group` of theirs have ended.
+    group: usize,
+    live_in_group: Vec<u32>,
+    live: usize,
+    /// Slots that are to be filled now.
+    vacant: Range<usize>,
+}
+
+impl<'a, O, W, F, Q, I, D> Pass<'a, O, W, F, Q, I, D>
+where
+    O: Observer,
+    F: Future,
+    Q: Iterator<Item = W>,
+    I: Fn(&W) -> F,
+    D: FnMut(&W, F::Output),
+{
+    pub(super) fn new(
+        mem: &'a Sim<O>,
+        policy: &'a mut Any,
+        [resident, group]: [usize; 2],
+        queue: Q,
+        invoke: I,
+        done: D,
+    ) -> Self {
+        let invocations = std::iter::repeat_with(|| Box::pin(None)).take(resident).collect();
+        let work = std::iter::repeat_with(|| None).take(resident).collect();
+        let (live_in_group, vacant) = (vec![0; resident.div_ceil(group)], 0..resident);
+        let live = 0;
+        Self {
+            mem,
+            policy,
+            queue,
+            invoke,
+            done,
+            invocations,
+            work,
+            group,
+            live_in_group,
+            live,
+            vacant,
+        }
+    }
+
+    /// Run it to its end.
+    ///
+    /// Invocations are polled in this one place, so that the compiler puts them into the loop. A slot is polled once
+    /// when it is filled, which takes the invocation to its first operation, and then once a step.
+    pub(super) fn run(mut self, mut recorder: Option<&mut Recorder>) -> Result<()> {
+        let context = &mut Context::from_waker(Waker::noop());
+        let mut patience = PATIENCE;
+        loop {
+            let filled = self.fill();
+            let slot = match filled {
+                Some(slot) => slot,
+                None if self.live == 0 => return Ok(()),
+                None => self.next(recorder.as_deref_mut())?,
+            };
+            let invocation = self.invocations.get_mut(slot as usize);
+            let Some(invocation) = invocation.and_then(|place| place.as_mut().as_pin_mut()) else {
+                return Err(not_live(slot));
+            };
+            match invocation.poll(context) {
+                Poll::Pending => {
+                    if filled.is_some() {
+                        self.admit(slot);
+                    }
+                    patience -= 1;
+                    if patience == 0 {
+                        return Err(hangs());
+                    }
+                }
+                Poll::Ready(result) => {
+                    patience = PATIENCE;
+                    self.end(slot as usize, result);
+                    if filled.is_none() {
+                        self.retire(slot);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The slot that performs the next operation, which is granted.
+    #[inline]
+    fn next(&mut self, recorder: Option<&mut Recorder>) -> Result<u32> {
+        let slot = self.policy.next()?;
+        if let Some(hint) = self.policy.hint()
+            && let Some(invocation) = self.invocations.get(hint as usize)
+        {
+            black_box(invocation.is_some());
+        }
+        if let Some(recorder) = recorder {
+            recorder.step(slot);
+        }
+        self.mem.grant();
+        Ok(slot)
+    }
+
+    /// Set the queue's next invocation into a vacant slot, if there are both.
+    #[inline]
+    fn fill(&mut self) -> Option<u32> {
+        if self.vacant.is_empty() { None } else { self.take() }
+    }
+
+    #[inline(never)]
+    fn take(&mut self) -> Option<u32> {
+        let Some(work) = self.queue.next() else {
+            self.vacant = 0..0;
+            return None;
+        };
+        let slot = self.vacant.start;
+        self.invocations[slot].set(Some((self.invoke)(&work)));
+        self.work[slot] = Some(work);
+        Some(slot as u32)
+    }
+
+    /// The invocation set last stands at its first operation; if it ends without any, its slot remains vacant.
+    fn admit(&mut self, slot: u32) {
+        self.policy.admit(slot);
+        self.vacant.start += 1;
+        self.live += 1;
+        self.live_in_group[slot as usize / self.group] += 1;
+    }
+
+    fn end(&mut self, slot: usize, result: F::Output) {
+        self.invocations[slot].set(None);
+        if let Some(work) = &self.work[slot] {
+            (self.done)(work, result);
+        }
+    }
+
+    fn retire(&mut self, slot: u32) {
+        self.policy.retire(slot);
+        self.live -= 1;
+        let group = slot as usize / self.group;
+        self.live_in_group[group] -= 1;
+        if self.live_in_group[group] == 0 {
+            let first = group * self.group;
+            self.vacant = first..(first + self.group).min(self.invocations.len());
+        }
+    }
+}
+
+fn not_live(slot: u32) -> Error {
+    Error::new(
+        "--schedule",
+        format!(
+            "the recorded schedule steps slot {slot}, which is empty: it belongs to another run"
+        ),
+    )
+}
+
+fn hangs() -> Error {
+    Error::new(
+        "--schedule",
+        format!("no invocation ended in {PATIENCE} steps: under this schedule the method hangs"),
+    )
+}

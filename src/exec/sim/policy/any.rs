@@ -1,0 +1,102 @@
+//! Any of the policies, as one type: the device's loop then holds their code, and there is one loop for all of them.
+
+use super::order::{Order, Reverse};
+use super::random::RandomSlot;
+use super::recorded::Recorded;
+use super::round_robin::RoundRobin;
+use super::warp::Warp;
+use super::{Kind, MAX_WARP, Policy, Settings};
+use crate::error::{Error, Result};
+use crate::exec::sim::schedule::Reader;
+
+/// One of the policies.
+#[derive(Debug)]
+pub(in crate::exec::sim) struct Any(Inner);
+
+#[derive(Debug)]
+enum Inner {
+    Order(Order),
+    Reverse(Reverse),
+    RoundRobin(RoundRobin),
+    Random(RandomSlot),
+    Warp(Warp),
+    Recorded(Recorded),
+}
+
+/// The same call on whichever it is.
+macro_rules! each {
+    ($any:expr, $policy:ident => $call:expr) => {
+        match $any {
+            Inner::Order($policy) => $call,
+            Inner::Reverse($policy) => $call,
+            Inner::RoundRobin($policy) => $call,
+            Inner::Random($policy) => $call,
+            Inner::Warp($policy) => $call,
+            Inner::Recorded($policy) => $call,
+        }
+    };
+}
+
+impl Any {
+    /// The policy that the settings name.
+    ///
+    /// # Errors
+    /// See [`super::make`].
+    pub(in crate::exec::sim) fn new(settings: &Settings) -> Result<Self> {
+        let inner = match &settings.policy {
+            Kind::Order => Inner::Order(Order::default()),
+            Kind::Reverse => Inner::Reverse(Reverse::default()),
+            Kind::RoundRobin => Inner::RoundRobin(RoundRobin::default()),
+            Kind::Random => Inner::Random(RandomSlot::new(settings.seed)),
+            Kind::Warp(lanes) if (1..=MAX_WARP).contains(lanes) => Inner::Warp(Warp::new(*lanes)),
+            Kind::Warp(lanes) => {
+                let problem = format!("warp:{lanes}: a warp has 1 to {MAX_WARP} lanes");
+                return Err(Error::new("--schedule", problem));
+            }
+            Kind::Recorded(bytes) => {
+                let reader = Reader::new(bytes.clone(), settings.fingerprint)?;
+                Inner::Recorded(Recorded::new(reader))
+            }
+        };
+        Ok(Self(inner))
+    }
+
+    #[inline(never)]
+    fn next_of_others(&mut self) -> Result<u32> {
+        each!(&mut self.0, policy => policy.next())
+    }
+}
+
+#[allow(clippy::inline_always, reason = "asked before every step")]
+impl Policy for Any {
+    fn admit(&mut self, slot: u32) {
+        each!(&mut self.0, policy => policy.admit(slot));
+    }
+
+    fn retire(&mut self, slot: u32) {
+        each!(&mut self.0, policy => policy.retire(slot));
+    }
+
+    /// Whole scenes run under `random`: only that one stands in the loop itself.
+    #[inline(always)]
+    fn next(&mut self) -> Result<u32> {
+        if let Inner::Random(policy) = &mut self.0 { policy.next() } else { self.next_of_others() }
+    }
+
+    #[inline(always)]
+    fn hint(&self) -> Option<u32> {
+        if let Inner::Random(policy) = &self.0 { policy.hint() } else { None }
+    }
+
+    fn group(&self) -> usize {
+        each!(&self.0, policy => policy.group())
+    }
+
+    fn resident(&self, asked: usize) -> usize {
+        each!(&self.0, policy => policy.resident(asked))
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        each!(&mut self.0, policy => policy.finish())
+    }
+}
