@@ -67,14 +67,17 @@ pub(super) fn schedule(text: &str) -> Result<Policy> {
     if let Some(Ok(lanes @ 1..)) = text.strip_prefix("warp:").map(str::parse) {
         return Ok(Policy::Warp(lanes));
     }
+    if let Some(Ok(depth @ 1..)) = text.strip_prefix("pct:").map(str::parse) {
+        return Ok(Policy::Pct(depth));
+    }
     match text {
         "order" => Ok(Policy::Order),
         "reverse" => Ok(Policy::Reverse),
         "round-robin" => Ok(Policy::RoundRobin),
         "random" => Ok(Policy::Random),
         _ => {
-            let right = "must be order, reverse, round-robin, random, warp:N (N at least 1) or \
-                         recorded:FILE";
+            let right = "must be order, reverse, round-robin, random, pct:D or warp:N (D and N at \
+                         least 1), or recorded:FILE";
             Err(Error::new("--schedule", format!("{text:?} {right}")))
         }
     }

@@ -103,12 +103,10 @@ fn cut(
     options: &Options,
     pixel: [u32; 2],
 ) -> Result<Option<Failure>> {
-    struct W {
-        fragments: Vec<crate::fragment::Fragment>,
-        steps: Vec<u32>,
-    }
-    let _ = (scene, pixel);
-    let watched = W { fragments: vec![], steps: vec![] };
+    let Exec::Sim(sim) = &options.exec else { return Ok(None) };
+    let exec = Exec::Sim(Sim { watch: Some(pixel), ..sim.clone() });
+    let watched = render(scene, &Options { exec, ..options.clone() })?.watched;
+    let Some(watched) = watched else { return Ok(None) };
     let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
     let device = Device { memory: MemoryModel::Sequential, warp: None };
     let moves = watched.steps.iter().map(|&i| Move { invocation: i as u8, alternative: 0 });

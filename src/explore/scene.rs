@@ -291,6 +291,7 @@ pub fn sampled(
             resident: MOST_INVOCATIONS,
             record: false,
             fingerprint: 0,
+            watch: None,
         };
         walk(&*shader, subject.contract, litmus, device, &settings, limits)
     };

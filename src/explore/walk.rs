@@ -51,6 +51,8 @@ pub(super) fn walk(
         let now = runner.live();
         if now != live {
             policy.retire(invocation as u32);
+        } else if runner.waits(invocation) {
+            policy.waits(invocation as u32);
         }
         live = now;
     }
