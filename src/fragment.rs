@@ -31,8 +31,8 @@ impl fmt::Debug for Fragment {
 /// The sort key of a stored fragment.
 #[inline]
 #[must_use]
-pub fn key(depth: u32, data: u32) -> u64 {
-    (u64::from(depth) << 32) | u64::from(data)
+pub const fn key(depth: u32, data: u32) -> u64 {
+    ((depth as u64) << 32) | data as u64
 }
 
 /// [`key`] of a pair (depth, data).

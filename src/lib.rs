@@ -4,11 +4,12 @@
 //! (`tests/layering.rs` checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `render` → `report` → `cli`
+//! `render` → `explore` → `report` → `cli`
 
 pub mod cli;
 pub mod error;
 pub mod exec;
+pub mod explore;
 pub mod fragment;
 pub mod image;
 pub mod memory;

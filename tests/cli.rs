@@ -14,7 +14,7 @@ fn help_exists_for_the_program_and_every_command() {
     let dir = Dir::new();
     let help = dir.run("--help");
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
-    for command in ["render", "compare", "methods", "scenes"] {
+    for command in ["render", "compare", "methods", "mutations", "scenes"] {
         assert!(help.stdout.contains(command), "{command}");
         let help = dir.run(&format!("{command} --help"));
         assert_eq!((help.code, help.stderr.as_str()), (0, ""), "{command}");
@@ -124,12 +124,30 @@ fn methods_come_from_the_contracts() {
         "default_k",
     ];
     assert!(methods.iter().all(|method| keys.iter().all(|key| method.get(key).is_some())));
+    let all = dir.run("methods --all");
+    assert_eq!(all.stdout.lines().count(), methods.len() + 1);
     let table = dir.run("methods");
-    assert_eq!(table.stdout.lines().count(), methods.len() + 1);
+    let faults = methods.iter().filter(|method| method["form"] == "mutation").count();
+    assert_eq!(table.stdout.lines().count(), methods.len() - faults + 1);
+    assert!(all.stdout.contains("@M1 ") && !table.stdout.contains("@M1 "));
     for name in ["exact", "kplus-array"] {
         assert!(methods.iter().any(|method| method["name"] == name), "{name}");
         assert!(table.stdout.lines().any(|line| line.starts_with(name)), "{name}");
     }
+}
+
+#[test]
+fn mutations_are_listed_with_their_methods() {
+    let dir = Dir::new();
+    let document = dir.run("mutations --json").json();
+    let mutations = document.as_array().unwrap();
+    let find = |id: &str| mutations.iter().find(|mutation| mutation["id"] == id).unwrap();
+    assert_eq!(find("M19")["variants"], serde_json::json!(["kplus-array@M19"]));
+    assert_eq!(find("M19")["absent"], serde_json::Value::Null);
+    assert!(find("M13")["absent"].as_str().is_some_and(|why| why.contains("age")));
+    let table = dir.run("mutations").stdout;
+    assert!(table.contains("-m kplus-array@M1-relaxed\n") && table.contains("none: "));
+    assert!(mutations.iter().all(|m| table.contains(m["text"].as_str().unwrap())));
 }
 
 #[test]

@@ -6,22 +6,26 @@
 
 #[path = "support/loom_memory.rs"]
 mod loom_memory;
+#[path = "../examples/user_scheme.rs"]
+#[allow(dead_code, reason = "its main function")]
+mod user_scheme;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fragloom::exec::drive::{self, complete};
 use fragloom::fragment::Fragment;
-use fragloom::memory::{Layout, Memory, Order, Pixel, Plain, Words};
+use fragloom::memory::{Access, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::resolve::sort;
 use fragloom::scheme::ab_array::{AbArray, AtomicAdd, LoadStore};
-use fragloom::scheme::ab_ll::AbLinkedList;
-use fragloom::scheme::kplus_array::{Correct, KPlusArray, OneTest, RelaxedUnlock};
+use fragloom::scheme::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
+use fragloom::scheme::kplus_array::{Correct, KPlusArray, Variant, faults};
 use fragloom::scheme::lock::{FREE, SpinLock};
-use fragloom::scheme::z_buffer::ZBuffer;
+use fragloom::scheme::z_buffer::{self, ZBuffer};
 use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
 use loom::sync::Arc;
 use loom_memory::{Loom, Storage};
+use user_scheme::CasList;
 
 /// Run a model; how many executions loom explored, or the message of the one that failed.
 fn explore(model: impl Fn() + Sync + Send + 'static) -> Result<usize, String> {
@@ -152,10 +156,10 @@ fn counting(threads: u32, rounds: u32, unlock: Order, patience: u32) -> impl Fn(
 async fn raise_once(mem: &Loom<'_>, lock: SpinLock, word: Words<Pixel, Plain, u32>, unlock: Order) {
     let mark = mem.mark();
     loop {
-        if lock.try_acquire(mem, 0).await == FREE {
+        if lock.try_acquire(mem, 0, Order::Acquire).await == FREE {
             let value = mem.plain_load(word.at(0, 0)).await;
             mem.plain_store(word.at(0, 0), value + 1).await;
-            lock.release(mem, 0, unlock).await;
+            lock.release(mem, 0, Access::Atomic(unlock)).await;
             return;
         }
         mem.spin(mark).await;
@@ -185,17 +189,41 @@ fn the_max_array_keeps_the_nearest() {
     holds("kplus-array k=1, 2x2, ties", 300, insertion::<Array>(k(1), &[&[4, 4], &[4, 4]], 1));
 }
 
-/// M1.
+/// M1, M2: without release at one end or acquire at the other, a holder may work on what was there before the last one.
 #[test]
-fn a_relaxed_unlock_of_the_max_array_is_caught() {
-    type Fault = KPlusArray<RelaxedUnlock>;
-    is_caught("kplus-array@M1", insertion::<Fault>(k(2), &[&[5], &[3]], 2));
+fn a_lock_without_order_is_caught() {
+    fn caught<V: Variant + Send + 'static>() {
+        let name = V::CONTRACT.name;
+        is_caught(name, insertion::<KPlusArray<V>>(k(2), &[&[5], &[3]], 2));
+    }
+    caught::<faults::PlainUnlock>();
+    caught::<faults::RelaxedUnlock>();
+    caught::<faults::RelaxedExchange>();
+    caught::<faults::RelaxedLock>();
 }
 
+/// M6: the second thread sees both entries counted, but in entry 0 still the nearer one; the fragment between them is
+/// culled. In order, who sees the count sees the entry.
 #[test]
-fn a_missing_second_test_is_caught() {
-    type Fault = KPlusArray<OneTest>;
-    is_caught("kplus-array@one-test", insertion::<Fault>(k(1), &[&[5], &[3]], 2));
+fn an_unordered_early_out_is_caught() {
+    let groups: &[&[u32]] = &[&[5, 9], &[7]];
+    is_caught("kplus-array@M6", insertion::<KPlusArray<faults::RelaxedCounter>>(k(2), groups, 1));
+    let early = insertion::<KPlusArray<faults::EarlyCount>>(k(2), groups, 1);
+    is_caught("kplus-array@M6-early-count", early);
+    holds("kplus-array k=2, 2+1", 50, insertion::<KPlusArray<Correct>>(k(2), groups, 1));
+}
+
+/// Interleavings alone show these.
+#[test]
+fn faults_of_the_max_array_are_caught() {
+    fn caught<V: Variant + Send + 'static>(k_: u32, groups: &'static [&'static [u32]]) {
+        is_caught(V::CONTRACT.name, insertion::<KPlusArray<V>>(k(k_), groups, 2));
+    }
+    caught::<faults::OneTest>(1, &[&[5], &[3]]);
+    caught::<faults::SpinCap>(2, &[&[5], &[3]]);
+    caught::<faults::TimeOut>(2, &[&[5], &[3]]);
+    caught::<faults::ClearsOutside>(2, &[&[5], &[3]]);
+    caught::<faults::RootFirst>(2, &[&[5, 9, 1], &[4]]);
 }
 
 #[test]
@@ -204,8 +232,34 @@ fn a_non_atomic_counter_is_caught() {
 }
 
 #[test]
+fn a_head_replaced_in_two_steps_is_caught() {
+    is_caught("ab-ll@plain-head", insertion::<AbLinkedList<PlainHead>>(k(1), &[&[5], &[3]], 2));
+}
+
+#[test]
+fn a_minimum_in_three_steps_is_caught() {
+    type Fault = ZBuffer<z_buffer::LoadStore>;
+    is_caught("z-buffer@load-store", insertion::<Fault>(k(1), &[&[5], &[3]], 2));
+}
+
+/// M11, equivalent: a node may be published before it is written, since nobody reads it before the barrier.
+#[test]
+fn publishing_first_changes_nothing() {
+    type Equivalent = AbLinkedList<PublishedFirst>;
+    holds("ab-ll@M11, 2x2", 20_000, insertion::<Equivalent>(k(1), &[&[5, 1], &[3, 2]], 2));
+}
+
+#[test]
 fn the_other_insertions_lose_nothing() {
     holds("ab-array, 2x2", 100, insertion::<AbArray<AtomicAdd>>(k(4), &[&[5, 1], &[3, 2]], 2));
     holds("ab-ll, 2x2", 20_000, insertion::<AbLinkedList>(k(1), &[&[5, 1], &[3, 2]], 2));
     holds("z-buffer, 3x1", 500, insertion::<ZBuffer>(k(1), &[&[5], &[3], &[3]], 2));
+}
+
+/// The list by compare-exchange of `examples/user_scheme.rs`, which tries again where the head has changed.
+#[test]
+fn a_list_by_compare_exchange_loses_nothing() {
+    holds("list by CAS, 2x1", 10, insertion::<CasList<false>>(k(1), &[&[5], &[3]], 2));
+    holds("list by CAS, 2x2", 100, insertion::<CasList<false>>(k(1), &[&[5, 1], &[3, 2]], 2));
+    is_caught("list by CAS, broken", insertion::<CasList<true>>(k(1), &[&[5], &[3]], 2));
 }

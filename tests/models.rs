@@ -27,7 +27,7 @@ const PAIRS: [(&str, Option<u32>, Option<u32>); 3] =
     [("ab-ll", None, None), ("kplus-array", Some(8), Some(8)), ("z-buffer", None, Some(1))];
 
 fn executors() -> [Exec; 3] {
-    let sim = Sim { policy: Policy::Random, seed: 2, resident: 1_024, record: false };
+    let sim = Sim { policy: Policy::Random, seed: 2, resident: 1_024, record: false, watch: None };
     [Exec::Tile, Exec::Threads, Exec::Sim(sim)]
 }
 

@@ -1,12 +1,12 @@
 //! Methods by name, and what a misspelt name may have meant.
 
 use crate::error::{Error, Result};
-use crate::scheme::{Contract, contracts};
+use crate::scheme::{Contract, Form, contracts};
 
 /// The contract of a method.
 ///
 /// # Errors
-/// An unknown name: the nearest known one, and all of them.
+/// An unknown name: the nearest known one, and all but the faults.
 pub(super) fn find(option: &str, name: &str) -> Result<&'static Contract> {
     let all = contracts();
     if let Some(contract) = all.iter().find(|contract| contract.name == name) {
@@ -14,10 +14,12 @@ pub(super) fn find(option: &str, name: &str) -> Result<&'static Contract> {
     }
     let names: Vec<&str> = all.iter().map(|contract| contract.name).collect();
     let guess = nearest(name, &names).map(|near| format!("; did you mean {near}?"));
+    let listed = all.iter().filter(|contract| contract.form != Form::Mutation);
+    let listed: Vec<&str> = listed.map(|contract| contract.name).collect();
     let problem = format!(
-        "unknown method {name:?}{} The methods are {}",
+        "unknown method {name:?}{} The methods are {} (and faults: see fragloom mutations)",
         guess.unwrap_or_else(|| ".".to_owned()),
-        names.join(", ")
+        listed.join(", ")
     );
     Err(Error::new(option, problem))
 }

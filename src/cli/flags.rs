@@ -29,12 +29,12 @@ pub(super) struct Drawing {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub(super) threads: usize,
 
-    /// Seed of `--schedule random`, 64 bits [default: 0]
+    /// Seed of `--schedule random` and `pct:D`, 64 bits [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) seed: Option<u64>,
 
-    /// With `--exec sim`, who goes next: order, reverse, round-robin, random, warp:N (lanes) or recorded:FILE
-    /// (as `render --record` wrote it) [default: random]
+    /// With `--exec sim`, who goes next: order, reverse, round-robin, random, pct:D (D - 1 random changes of
+    /// priority), warp:N (lanes) or recorded:FILE (as `render --record` wrote it) [default: random]
     #[arg(long, value_name = "POLICY")]
     pub(super) schedule: Option<String>,
 

@@ -8,9 +8,12 @@ use crate::scheme::{Contract, Form, contracts};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Print the whole contracts as one JSON document instead of the table
+    /// Print the whole contracts of all methods as one JSON document instead of the table
     #[arg(long)]
     json: bool,
+    /// List the built-in faults too
+    #[arg(long)]
+    all: bool,
 }
 
 /// Print the catalogue.
@@ -18,7 +21,10 @@ pub(super) struct Args {
 /// # Errors
 /// stdout cannot be written.
 pub(super) fn run(args: &Args) -> Result<Verdict> {
-    let contracts = contracts();
+    let mut contracts = contracts();
+    if !args.all && !args.json {
+        contracts.retain(|contract| contract.form != Form::Mutation);
+    }
     let text = if args.json { json::document(&contracts)? } else { table(&contracts) };
     say::result(&text)?;
     Ok(Verdict::Clean)

@@ -5,10 +5,15 @@
 //! stdout, everything else to stderr, one line each.
 
 mod catalogue;
+mod check;
+mod claims;
 mod compare;
 mod flags;
+mod interrupt;
 mod methods;
+mod mutations;
 mod render;
+mod replay;
 mod say;
 mod scenes;
 mod settings;
@@ -42,8 +47,16 @@ enum Command {
     Render(Box<render::Args>),
     /// Draw a scene with several methods and compare each with the exact reference.
     Compare(Box<compare::Args>),
+    /// Explore interleavings; say what is verified, violated or unknown.
+    Check(Box<check::Args>),
+    /// Run a failing schedule again.
+    Replay(replay::Args),
+    /// List the papers' claims, as they are checked.
+    Claims(claims::Args),
     /// List the methods, from their contracts.
     Methods(methods::Args),
+    /// List the built-in faults, and the methods that have them.
+    Mutations(mutations::Args),
     /// List the built-in procedural scenes.
     Scenes(scenes::Args),
 }
@@ -84,7 +97,11 @@ fn run(command: &Command) -> Result<Verdict> {
     match command {
         Command::Render(args) => render::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Replay(args) => replay::run(args),
+        Command::Claims(args) => claims::run(args),
         Command::Methods(args) => methods::run(args),
+        Command::Mutations(args) => mutations::run(args),
         Command::Scenes(args) => scenes::run(args),
     }
 }

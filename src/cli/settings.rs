@@ -72,16 +72,17 @@ fn sim(typed: &Drawing, record: bool) -> Result<Sim> {
         return Err(Error::new("--resident", "0 invocations in flight: must be at least 1"));
     }
     let policy = typed.schedule.as_deref().map_or(Ok(Policy::Random), values::schedule)?;
-    Ok(Sim { policy, seed: typed.seed.unwrap_or(0), resident, record })
+    Ok(Sim { policy, seed: typed.seed.unwrap_or(0), resident, record, watch: None })
 }
 
 /// Options without effect are no errors: scripts give them to every run.
 fn idle(typed: &Drawing) -> Vec<String> {
     let simulated = typed.exec == Exec::Sim;
-    let random = typed.schedule.as_deref().is_none_or(|policy| policy == "random");
+    let random = typed.schedule.as_deref().is_none_or(|p| p == "random" || p.starts_with("pct:"));
     let mut warnings = Vec::new();
     if typed.seed.is_some() && !(simulated && random) {
-        warnings.push("--seed has no effect without --exec sim --schedule random".to_owned());
+        warnings
+            .push("--seed has no effect without --exec sim --schedule random or pct:D".to_owned());
     }
     if typed.resident.is_some() && !simulated {
         warnings.push("--resident has no effect without --exec sim".to_owned());
@@ -169,10 +170,12 @@ mod tests {
     #[test]
     fn a_simulated_device() {
         let found = settings("--exec sim --schedule warp:8 --resident 9").unwrap().options.exec;
-        let expected = Sim { policy: Policy::Warp(8), seed: 0, resident: 9, record: true };
+        let expected =
+            Sim { policy: Policy::Warp(8), seed: 0, resident: 9, record: true, watch: None };
         assert_eq!(found, render::Exec::Sim(expected));
         let found = settings("--exec sim --seed 7").unwrap().options.exec;
-        let expected = Sim { policy: Policy::Random, seed: 7, resident: RESIDENT, record: false };
+        let expected =
+            Sim { policy: Policy::Random, seed: 7, resident: RESIDENT, record: false, watch: None };
         assert_eq!(found, render::Exec::Sim(expected));
     }
 

@@ -21,6 +21,18 @@ pub(super) fn size(text: &str) -> Result<[u32; 2]> {
     }
 }
 
+/// `X,Y` in pixels, from the top left.
+///
+/// # Errors
+/// Another form.
+pub(super) fn pixel(text: &str) -> Result<[u32; 2]> {
+    let parsed = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
+    parsed.ok_or_else(|| {
+        let right = "must be COLUMN,ROW, counted from 0 at the top left, like 320,240";
+        Error::new("--pixel", format!("{text:?} {right}"))
+    })
+}
+
 /// A number of bytes, with K, M, G or T for powers of 1,024.
 ///
 /// # Errors
@@ -55,14 +67,17 @@ pub(super) fn schedule(text: &str) -> Result<Policy> {
     if let Some(Ok(lanes @ 1..)) = text.strip_prefix("warp:").map(str::parse) {
         return Ok(Policy::Warp(lanes));
     }
+    if let Some(Ok(depth @ 1..)) = text.strip_prefix("pct:").map(str::parse) {
+        return Ok(Policy::Pct(depth));
+    }
     match text {
         "order" => Ok(Policy::Order),
         "reverse" => Ok(Policy::Reverse),
         "round-robin" => Ok(Policy::RoundRobin),
         "random" => Ok(Policy::Random),
         _ => {
-            let right = "must be order, reverse, round-robin, random, warp:N (N at least 1) or \
-                         recorded:FILE";
+            let right = "must be order, reverse, round-robin, random, pct:D or warp:N (D and N at \
+                         least 1), or recorded:FILE";
             Err(Error::new("--schedule", format!("{text:?} {right}")))
         }
     }

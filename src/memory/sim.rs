@@ -24,6 +24,8 @@ pub struct Sim<O> {
     pixel: Owned,
     global: Owned,
     granted: Cell<bool>,
+    /// An invocation has waited since this was last asked.
+    waited: Cell<bool>,
     observer: O,
 }
 
@@ -39,13 +41,19 @@ impl<O: Observer> Sim<O> {
             pixel.fill(pattern);
             global.fill(pattern);
         }
-        Self { pixel, global, granted: Cell::new(false), observer }
+        Self { pixel, global, granted: Cell::new(false), waited: Cell::new(false), observer }
     }
 
     /// Allow one operation: the next poll of an invocation performs it.
     #[inline]
     pub fn grant(&self) {
         self.granted.set(true);
+    }
+
+    /// Whether an invocation has waited since this was last asked.
+    #[inline]
+    pub fn take_waited(&self) -> bool {
+        self.waited.get() && self.waited.replace(false)
     }
 
     /// What sees the operations.
@@ -149,6 +157,7 @@ impl<O: Observer> Memory for Sim<O> {
     #[inline]
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
+        self.waited.set(true);
         std::future::ready(())
     }
 }

@@ -6,7 +6,7 @@ mod report;
 
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
-use crate::exec::sim::{policy, schedule};
+use crate::exec::sim::{Simulated, policy, schedule};
 use crate::exec::{self, Frame, Job, Tally};
 use crate::image::Image;
 use crate::memory::{Counters, Layout, Observer};
@@ -18,6 +18,7 @@ use crate::scheme::catalogue::{self, Visitor};
 use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::{Config, Scheme};
 
+pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::Lists;
@@ -35,6 +36,8 @@ pub struct Rendering {
     pub report: Report,
     /// The recorded schedule, if asked for.
     pub schedule: Option<Vec<u8>>,
+    /// What happened at the watched pixel, if one was watched on the simulated device.
+    pub watched: Option<Watched>,
 }
 
 /// What simulated memory holds before the clear pass: a scheme must not rely on zeroes.
@@ -106,7 +109,7 @@ fn draw(
     report.seconds = watch.seconds();
     let passes = executed.frame.seconds.into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
-    Ok(Rendering { image, lists, report, schedule: executed.schedule })
+    Ok(Rendering { image, lists, report, schedule: executed.schedule, watched: executed.watched })
 }
 
 /// What the method must know of the scene, measured only if it must; and the fragments before each tile.
@@ -165,6 +168,7 @@ struct Executed {
     bytes: u64,
     exec: &'static str,
     schedule: Option<Vec<u8>>,
+    watched: Option<Watched>,
 }
 
 impl Visitor for Run<'_> {
@@ -176,27 +180,30 @@ impl Visitor for Run<'_> {
         limits::storage(self.options, self.job, &layout)?;
         let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
         let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
-        let (frame, schedule) = match (&self.options.exec, self.options.counters) {
-            (Exec::Tile, true) => {
-                (exec::tile::run::<S, Counters>(&scheme, &layout, self.job), None)
+        let mut executed =
+            Executed { frame: Frame::default(), bytes, exec, schedule: None, watched: None };
+        executed.frame = match (&self.options.exec, self.options.counters) {
+            (Exec::Tile, true) => exec::tile::run::<S, Counters>(&scheme, &layout, self.job),
+            (Exec::Tile, false) => exec::tile::run::<S, ()>(&scheme, &layout, self.job),
+            (Exec::Threads, true) => exec::threads::run::<S, Counters>(&scheme, &layout, self.job),
+            (Exec::Threads, false) => exec::threads::run::<S, ()>(&scheme, &layout, self.job),
+            (Exec::Sim(sim), counted) => {
+                let run = if counted {
+                    self.simulate::<S, Counters>(&scheme, &layout, sim)?
+                } else {
+                    self.simulate::<S, ()>(&scheme, &layout, sim)?
+                };
+                (executed.schedule, executed.watched) = (run.schedule, run.watched);
+                run.frame
             }
-            (Exec::Tile, false) => (exec::tile::run::<S, ()>(&scheme, &layout, self.job), None),
-            (Exec::Threads, true) => {
-                (exec::threads::run::<S, Counters>(&scheme, &layout, self.job), None)
-            }
-            (Exec::Threads, false) => {
-                (exec::threads::run::<S, ()>(&scheme, &layout, self.job), None)
-            }
-            (Exec::Sim(sim), true) => self.simulate::<S, Counters>(&scheme, &layout, sim)?,
-            (Exec::Sim(sim), false) => self.simulate::<S, ()>(&scheme, &layout, sim)?,
         };
-        Ok(Executed { frame, bytes, exec, schedule })
+        Ok(executed)
     }
 
     fn exact(self) -> Result<Executed> {
         let frame = exec::oracle::run(self.job, self.config.k);
         let bytes = 8 * frame.tally.generated;
-        Ok(Executed { frame, bytes, exec: "sequential", schedule: None })
+        Ok(Executed { frame, bytes, exec: "sequential", schedule: None, watched: None })
     }
 }
 
@@ -206,12 +213,13 @@ impl Run<'_> {
         scheme: &S,
         layout: &Layout,
         sim: &Sim,
-    ) -> Result<(Frame, Option<Vec<u8>>)> {
-        let Sim { policy, seed, resident, record } = sim.clone();
-        let fingerprint = self.fingerprint;
-        let settings = policy::Settings { policy, seed, resident, record, fingerprint };
-        let run = exec::sim::run::<S, O>(scheme, layout, self.job, &settings, GARBAGE)?;
-        Ok((run.frame, run.schedule))
+    ) -> Result<Simulated> {
+        let Sim { policy, seed, resident, record, watch } = sim.clone();
+        let (fingerprint, grid) = (self.fingerprint, &self.job.front.grid);
+        let inside = watch.filter(|&[x, y]| x < grid.width && y < grid.height);
+        let watch = inside.map(|[x, y]| grid.pixel(x, y));
+        let settings = policy::Settings { policy, seed, resident, record, fingerprint, watch };
+        exec::sim::run::<S, O>(scheme, layout, self.job, &settings, GARBAGE)
     }
 }
 

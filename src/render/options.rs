@@ -83,17 +83,19 @@ impl Exec {
 pub struct Sim {
     /// Who goes next.
     pub policy: Policy,
-    /// Seed of `Policy::Random`.
+    /// Seed of `Policy::Random` and `Policy::Pct`.
     pub seed: u64,
     /// Invocations in flight, 1 to [`MAX_RESIDENT`].
     pub resident: usize,
     /// Record the schedule and return it.
     pub record: bool,
+    /// A pixel, column and row from the top left, whose fragments and steps are told.
+    pub watch: Option<[u32; 2]>,
 }
 
 impl Default for Sim {
     fn default() -> Self {
-        Self { policy: Policy::Random, seed: 0, resident: 4_096, record: false }
+        Self { policy: Policy::Random, seed: 0, resident: 4_096, record: false, watch: None }
     }
 }
 
@@ -128,6 +130,9 @@ impl Options {
         if self.threads > MAX_THREADS {
             let n = self.threads;
             return wrong("--threads", format!("is {n}, but at most {MAX_THREADS} are possible"));
+        }
+        if let Exec::Sim(Sim { policy: Policy::Pct(0), .. }) = &self.exec {
+            return wrong("--schedule", "is pct:0, but the depth is at least 1".to_owned());
         }
         if let Exec::Sim(sim) = &self.exec
             && !(1..=MAX_RESIDENT).contains(&sim.resident)

@@ -10,12 +10,14 @@ use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
-/// How slots are handed out.
+/// How slots are handed out, and up to which.
 pub trait Ticket: Sync {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the counter is raised by one atomic operation.
-    const ATOMIC: bool;
+    const ATOMIC: bool = true;
+    /// Whether the slot number n, one beyond the pixel's own, is refused.
+    const BOUNDED: bool = true;
 }
 
 /// `atomicAdd`, as published.
@@ -25,6 +27,10 @@ pub enum AtomicAdd {}
 /// A load and a store: two invocations may get the same slot.
 #[derive(Debug)]
 pub enum LoadStore {}
+
+/// M14: the bound test lets slot n through, which is the next pixel's first.
+#[derive(Debug)]
+pub enum OneTooMany {}
 
 /// The method.
 #[derive(Debug)]
@@ -61,19 +67,24 @@ const CONTRACT: Contract = Contract {
 
 impl Ticket for AtomicAdd {
     const CONTRACT: Contract = CONTRACT;
-    const ATOMIC: bool = true;
 }
 
 impl Ticket for LoadStore {
-    const CONTRACT: Contract = Contract {
-        name: "ab-array@plain-counter",
-        title: "Fault: the counter is raised by a load and a store",
-        form: Form::Mutation,
-        racy: true,
-        exact_when: "only without concurrency",
-        ..CONTRACT
-    };
+    const CONTRACT: Contract = CONTRACT.fault(
+        "ab-array@plain-counter",
+        "Fault plain-counter: the counter is raised by a load and a store",
+        "no two invocations of a pixel overlap",
+    );
     const ATOMIC: bool = false;
+}
+
+impl Ticket for OneTooMany {
+    const CONTRACT: Contract = CONTRACT.fault(
+        "ab-array@M14",
+        "Fault M14: the bound test lets one slot too many through",
+        CONTRACT.exact_when,
+    );
+    const BOUNDED: bool = false;
 }
 
 impl<T: Ticket> Scheme for AbArray<T> {
@@ -98,7 +109,8 @@ impl<T: Ticket> Scheme for AbArray<T> {
             mem.store(counter, slot + 1, Order::Relaxed).await;
             slot
         };
-        if slot >= self.slots {
+        let beyond = if T::BOUNDED { slot >= self.slots } else { slot > self.slots };
+        if beyond {
             return Outcome::Overflow;
         }
         mem.plain_store(self.records.at(fragment.pixel, slot), fragment.key()).await;

@@ -2,13 +2,15 @@
 //! the GPU", 2010).
 //!
 //! A global counter hands out nodes; an atomic exchange on the pixel's head publishes a node, and its old value becomes
-//! the node's next. The node is written after it is published, which is harmless here: nobody reads it before the
+//! the node's next, which can only be written afterwards. That is harmless here: nobody reads a node before the
 //! barrier. The pool holds as many nodes as the scene has fragments.
 
+use std::marker::PhantomData;
+
 use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The end of a list.
 const NONE: u32 = u32::MAX;
@@ -16,39 +18,108 @@ const NONE: u32 = u32::MAX;
 /// Words of a node: next, depth, data.
 const NODE: u64 = 3;
 
+/// The correct form, or a fault in it.
+pub trait Variant: Sync {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// Whether the head is replaced by one atomic operation.
+    const ATOMIC_HEAD: bool = true;
+    /// Whether depth and data are written before the node is published.
+    const WRITTEN_FIRST: bool = true;
+    /// Whether the first node beyond the pool is refused.
+    const BOUNDED: bool = true;
+}
+
+/// No fault.
+#[derive(Debug)]
+pub enum Correct {}
+
+/// M11: a node is published before anything of it is written. Expected to be equivalent: nobody reads a node before
+/// the barrier.
+#[derive(Debug)]
+pub enum PublishedFirst {}
+
+/// M14: the bound test lets one node too many through. It shows only where the pool is too small, which ours is not.
+#[derive(Debug)]
+pub enum OneTooMany {}
+
+/// The head is replaced by a load and a store: of two invocations that read the same head, one loses its node.
+#[derive(Debug)]
+pub enum PlainHead {}
+
 /// The method.
 #[derive(Debug)]
-pub struct AbLinkedList {
+pub struct AbLinkedList<V = Correct> {
     head: Words<Pixel, Atomic, u32>,
     pool: Pool,
     nodes: Words<Global, Plain, u32>,
     capacity: u64,
+    variant: PhantomData<V>,
 }
 
-impl Scheme for AbLinkedList {
+const CONTRACT: Contract = Contract {
+    name: "ab-ll",
+    title: "A-buffer in per-pixel linked lists",
+    paper: "Yang, Hensley, Grün, Thibieroz 2010",
+    section: "k+-buffer paper, 2 (LL)",
+    form: Form::Correct,
+    passes: 1,
+    words: "1, and 3F + 1 for the frame",
+    keeps: Keeps::All,
+    exact_when: "the pool holds F nodes (it does)",
+    arrival_dependent: false,
+    racy: false,
+    ties: "all kept; canonical after resolve",
+    overflow: "drop, counted",
+    needs: "32-bit atomic add and exchange, relaxed",
+    wgsl: Some("storage buffers; atomicAdd, atomicExchange"),
+    depth_format: None,
+    default_k: None,
+    max_k: u32::MAX,
+    demand: Demand::Generated,
+    barriers: Barriers::ALL,
+    source: include_str!("ab_ll.rs"),
+};
+
+impl Variant for Correct {
+    const CONTRACT: Contract = CONTRACT;
+}
+
+impl Variant for PublishedFirst {
     const CONTRACT: Contract = Contract {
-        name: "ab-ll",
-        title: "A-buffer in per-pixel linked lists",
-        paper: "Yang, Hensley, Grün, Thibieroz 2010",
-        section: "k+-buffer paper, 2 (LL)",
-        form: Form::Correct,
-        passes: 1,
-        words: "1, and 3F + 1 for the frame",
-        keeps: Keeps::All,
-        exact_when: "the pool holds F nodes (it does)",
-        arrival_dependent: false,
         racy: false,
-        ties: "all kept; canonical after resolve",
-        overflow: "drop, counted",
-        needs: "32-bit atomic add and exchange, relaxed",
-        wgsl: Some("storage buffers; atomicAdd, atomicExchange"),
-        depth_format: None,
-        default_k: None,
-        max_k: u32::MAX,
-        demand: Demand::Generated,
-        barriers: Barriers::ALL,
-        source: include_str!("ab_ll.rs"),
+        ..CONTRACT.fault(
+            "ab-ll@M11",
+            "Fault M11: a node is published before it is written (equivalent here)",
+            CONTRACT.exact_when,
+        )
     };
+    const WRITTEN_FIRST: bool = false;
+}
+
+impl Variant for OneTooMany {
+    const CONTRACT: Contract = Contract {
+        racy: false,
+        ..CONTRACT.fault(
+            "ab-ll@M14",
+            "Fault M14: the bound test lets one node too many through",
+            CONTRACT.exact_when,
+        )
+    };
+    const BOUNDED: bool = false;
+}
+
+impl Variant for PlainHead {
+    const CONTRACT: Contract = CONTRACT.fault(
+        "ab-ll@plain-head",
+        "Fault plain-head: the head is replaced by a load and a store",
+        "no two invocations of a pixel overlap",
+    );
+    const ATOMIC_HEAD: bool = false;
+}
+
+impl<V: Variant> Scheme for AbLinkedList<V> {
+    const CONTRACT: Contract = V::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let capacity = config.generated.min(u64::from(NONE));
@@ -57,6 +128,7 @@ impl Scheme for AbLinkedList {
             pool: layout.pool(),
             nodes: layout.global(NODE * capacity),
             capacity,
+            variant: PhantomData,
         }
     }
 
@@ -69,16 +141,46 @@ impl Scheme for AbLinkedList {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let node = mem.take(self.pool).await;
-        if u64::from(node) >= self.capacity {
+        let (node, head) = (mem.take(self.pool).await, self.head.at(fragment.pixel, 0));
+        let last = if V::BOUNDED { self.capacity } else { self.capacity + 1 };
+        if u64::from(node) >= last {
             return Outcome::Pool;
         }
-        let next = mem.exchange(self.head.at(fragment.pixel, 0), node, Order::Relaxed).await;
         let word = NODE * u64::from(node);
+        if V::WRITTEN_FIRST {
+            mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
+            mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
+        }
+        let next = if V::ATOMIC_HEAD {
+            mem.exchange(head, node, Order::Relaxed).await
+        } else {
+            let next = mem.load(head, Order::Relaxed).await;
+            mem.store(head, node, Order::Relaxed).await;
+            next
+        };
         mem.plain_store(self.nodes.at(word), next).await;
-        mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
-        mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
+        if !V::WRITTEN_FIRST {
+            mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
+            mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
+        }
         Outcome::Kept
+    }
+
+    /// In the end, the list ends: within the pool, and without a cycle.
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        let head = words.get(self.head.at(pixel, 0));
+        let (Moment::Quiet, Some(mut node)) = (moment, head) else { return Ok(()) };
+        for _ in 0..=self.capacity {
+            if node == NONE {
+                return Ok(());
+            }
+            if u64::from(node) >= self.capacity {
+                return Err(format!("the list leads to node {node}, of {}", self.capacity));
+            }
+            let next = words.get(self.nodes.at(NODE * u64::from(node)));
+            node = next.ok_or_else(|| format!("nobody wrote where node {node} leads to"))?;
+        }
+        Err(format!("the list does not end within the pool's {} nodes", self.capacity))
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
@@ -88,6 +190,44 @@ impl Scheme for AbLinkedList {
             node = mem.plain_load(self.nodes.at(word)).await;
             let depth = mem.plain_load(self.nodes.at(word + 1)).await;
             keys.push(key(depth, mem.plain_load(self.nodes.at(word + 2)).await));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::hand_made::HandMade;
+
+    /// A pool of 3 nodes: the head, and where each node leads to.
+    fn list(head: u32, next: &[u32]) -> HandMade<AbLinkedList> {
+        let mut list = HandMade::<AbLinkedList>::new(None, 3);
+        let (at, nodes) = (list.scheme.head.at(0, 0), list.scheme.nodes);
+        list.set(at, head);
+        for (node, &next) in (0..).zip(next) {
+            list.set(nodes.at(NODE * node), next);
+        }
+        list
+    }
+
+    #[test]
+    fn lists_that_end_pass() {
+        assert_eq!(HandMade::<AbLinkedList>::new(None, 3).check(Moment::Quiet), Ok(()));
+        assert_eq!(list(NONE, &[]).check(Moment::Quiet), Ok(()));
+        assert_eq!(list(2, &[NONE, 0, 1]).check(Moment::Quiet), Ok(()));
+        assert_eq!(list(0, &[1, 0]).check(Moment::Always), Ok(()), "looked at in the end only");
+    }
+
+    #[test]
+    fn lists_that_do_not_end_are_found() {
+        let cases = [
+            (list(0, &[1, 0]), "does not end"),
+            (list(3, &[NONE, NONE, NONE]), "node 3, of 3"),
+            (list(1, &[NONE]), "nobody wrote where node 1"),
+        ];
+        for (list, words) in cases {
+            let message = list.check(Moment::Quiet).unwrap_err();
+            assert!(message.contains(words), "{message}");
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The catalogue: every method by name, one line each.
 
-use super::ab_array::{AbArray, AtomicAdd, LoadStore};
-use super::ab_ll::AbLinkedList;
+use super::ab_array::{self, AbArray, AtomicAdd};
+use super::ab_ll::{self, AbLinkedList};
 use super::contract::Contract;
 use super::kb::KBuffer;
-use super::kplus_array::{Correct, KPlusArray, OneTest, RelaxedUnlock};
-use super::kplus_array_published::KPlusArrayPublished;
-use super::z_buffer::ZBuffer;
+use super::kplus_array::{Correct, KPlusArray, faults};
+use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use super::z_buffer::{self, ZBuffer};
 use super::{Scheme, exact};
 use crate::error::{Error, Result};
 
@@ -16,7 +16,7 @@ pub trait Visitor {
     type Output;
 
     /// With a scheme.
-    fn scheme<S: Scheme>(self) -> Self::Output;
+    fn scheme<S: Scheme + Send + 'static>(self) -> Self::Output;
 
     /// With the oracle, which is not a scheme.
     fn exact(self) -> Self::Output;
@@ -46,13 +46,33 @@ macro_rules! catalogue {
 catalogue! {
     ZBuffer,
     AbArray<AtomicAdd>,
-    AbArray<LoadStore>,
     AbLinkedList,
     KBuffer,
     KPlusArray<Correct>,
     KPlusArrayPublished,
-    KPlusArray<RelaxedUnlock>,
-    KPlusArray<OneTest>,
+    ZBuffer<z_buffer::ClearedToFarPlane>,
+    ZBuffer<z_buffer::LoadStore>,
+    AbArray<ab_array::OneTooMany>,
+    AbArray<ab_array::LoadStore>,
+    AbLinkedList<ab_ll::PublishedFirst>,
+    AbLinkedList<ab_ll::OneTooMany>,
+    AbLinkedList<ab_ll::PlainHead>,
+    KPlusArray<faults::PlainUnlock>,
+    KPlusArray<faults::RelaxedUnlock>,
+    KPlusArray<faults::RelaxedExchange>,
+    KPlusArray<faults::RelaxedLock>,
+    KPlusArray<faults::SpinCap>,
+    KPlusArray<faults::TimeOut>,
+    KPlusArray<faults::ClearsOutside>,
+    KPlusArray<faults::RelaxedCounter>,
+    KPlusArray<faults::EarlyCount>,
+    KPlusArray<faults::EqualDepthStops>,
+    KPlusArray<faults::NoBarrierBeforeStore>,
+    KPlusArray<faults::NoBarrierBeforeResolve>,
+    KPlusArray<faults::SpinsFirst>,
+    KPlusArray<faults::OneTest>,
+    KPlusArray<faults::RootFirst>,
+    KPlusArrayPublished<OrderedUnlock>,
 }
 
 /// Every method's contract; the oracle comes first.

@@ -123,6 +123,17 @@ impl Contract {
         !self.arrival_dependent && !self.racy
     }
 
+    /// A built-in fault of this method, racy as most are.
+    #[must_use]
+    pub const fn fault(
+        self,
+        name: &'static str,
+        title: &'static str,
+        exact_when: &'static str,
+    ) -> Self {
+        Self { name, title, exact_when, form: Form::Mutation, racy: true, ..self }
+    }
+
     /// The name without `@variant`.
     #[must_use]
     pub fn base_name(&self) -> &'static str {

@@ -7,10 +7,10 @@
 //! torn records come from. Entries are sorted front to back; empty ones hold the largest key and stay last.
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
-use crate::memory::{Layout, Memory, Pixel, Plain, Words};
+use crate::memory::{Layout, Memory, Pixel, Plain, Snapshot, Words};
 use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Registers for entries: 4 times what eight render targets held in 2007.
 const MAX_K: usize = 64;
@@ -90,6 +90,33 @@ impl Scheme for KBuffer {
         }
     }
 
+    /// In the end, entries are sorted front to back and empty ones come last. Invocations that overlap break that too:
+    /// each writes its own sorted entries, and what remains is a mixture.
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        if moment == Moment::Always {
+            return Ok(());
+        }
+        let (mut last, mut empty) = (0, None);
+        for i in 0..self.k {
+            let depth = words.get(self.depth.at(pixel, i));
+            if depth == Some(EMPTY) {
+                empty = empty.or(Some(i));
+                continue;
+            }
+            let (Some(depth), Some(data)) = (depth, words.get(self.data.at(pixel, i))) else {
+                continue;
+            };
+            if let Some(empty) = empty {
+                return Err(format!("entry {empty} is empty, and entry {i} behind it is not"));
+            }
+            if key(depth, data) < last {
+                return Err(format!("entry {i} is nearer than one in front of it"));
+            }
+            last = key(depth, data);
+        }
+        Ok(())
+    }
+
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         for i in 0..self.k {
             let depth = mem.plain_load(self.depth.at(pixel, i)).await;
@@ -97,5 +124,38 @@ impl Scheme for KBuffer {
                 keys.push(key(depth, mem.plain_load(self.data.at(pixel, i)).await));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::hand_made::HandMade;
+
+    fn pixel(entries: &[u64]) -> HandMade<KBuffer> {
+        let mut pixel = HandMade::<KBuffer>::new(Some(4), 0);
+        for (i, &entry) in (0..).zip(entries) {
+            let (depth, data) = (pixel.scheme.depth.at(0, i), pixel.scheme.data.at(0, i));
+            pixel.set(depth, depth_of(entry));
+            pixel.set(data, data_of(entry));
+        }
+        pixel
+    }
+
+    #[test]
+    fn sorted_entries_pass() {
+        let empty = key(EMPTY, 7);
+        for entries in [&[][..], &[5, 5, 6, 9], &[key(1, 3), key(2, 1), empty, key(EMPTY, 2)]] {
+            assert_eq!(pixel(entries).check(Moment::Quiet), Ok(()));
+        }
+        assert_eq!(pixel(&[6, 5]).check(Moment::Always), Ok(()), "looked at in the end only");
+    }
+
+    #[test]
+    fn unsorted_entries_are_found() {
+        let message = pixel(&[key(2, 1), key(1, 3)]).check(Moment::Quiet).unwrap_err();
+        assert!(message.contains("entry 1 is nearer"), "{message}");
+        let message = pixel(&[5, key(EMPTY, 0), 9]).check(Moment::Quiet).unwrap_err();
+        assert!(message.contains("entry 1 is empty"), "{message}");
     }
 }

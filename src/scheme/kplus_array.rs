@@ -16,37 +16,82 @@
 //! * Ties: the unlocked test culls only what is strictly behind; inside the lock whole keys decide, so that the kept
 //!   set is the k smallest in canonical order whatever the order of arrival.
 
+pub mod faults;
+mod invariant;
+
 use std::future::Future;
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
+use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words, both};
+use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::lock::{FREE, SpinLock};
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
-/// The correct form, or a fault in it.
+/// The correct form, or a fault in it: each constant is as it must be unless a fault says otherwise.
 pub trait Variant: Sync {
     /// This form's contract.
     const CONTRACT: Contract;
+    /// How the lock is taken.
+    const LOCK: Order = Order::Acquire;
     /// How the lock is released.
-    const UNLOCK: Order = Order::Release;
+    const UNLOCK: Unlock = Unlock::Write(Access::Atomic(Order::Release));
+    /// How the counter is read before the lock.
+    const COUNTER_READ: Order = Order::Acquire;
+    /// How the counter is raised.
+    const COUNTER_RAISE: Order = Order::Release;
+    /// Whether an element is in place before the counter is raised.
+    const ELEMENT_FIRST: bool = true;
+    /// Whether the new farthest is found before anything is written.
+    const FARTHEST_FIRST: bool = true;
     /// Whether the cull test is repeated inside the lock.
     const SECOND_TEST: bool = true;
+    /// Whether that test compares whole keys, and not depths alone.
+    const WHOLE_KEYS: bool = true;
+    /// Whether a fragment that finds its pixel empty leaves the clearing to the clear pass.
+    const CLEARED_BEFORE: bool = true;
+    /// Whether a lane that wins the lock leaves the loop at once, with the critical section inside of it.
+    const SECTION_IN_LOOP: bool = true;
+    /// How long an attempt at the lock is repeated.
+    const PATIENCE: Patience = Patience::Endless;
+
+    /// The test inside the lock.
+    #[inline(always)]
+    #[must_use]
+    fn is_nearer(fragment: Fragment, farthest: u64) -> bool {
+        if Self::WHOLE_KEYS {
+            fragment.key() < farthest
+        } else {
+            fragment.depth < depth_of(farthest)
+        }
+    }
+}
+
+/// How a lock is released.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlock {
+    /// By a write.
+    Write(Access),
+    /// By an exchange.
+    Exchange(Order),
+}
+
+/// What a fragment does that does not get the lock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// It tries until it does.
+    Endless,
+    /// After so many attempts it goes away, and says nothing.
+    Drops(u32),
+    /// After every so many attempts it frees the lock, whoever holds it. It ends all the same: another must have taken
+    /// the lock since for its next attempt to fail, and each of the others takes it once.
+    Frees(u32),
 }
 
 /// No fault.
 #[derive(Debug)]
 pub enum Correct {}
-
-/// M1: the lock is released by a relaxed store, so what was written under it may become visible later.
-#[derive(Debug)]
-pub enum RelaxedUnlock {}
-
-/// The test inside the lock is missing: between the unlocked test and the lock, others may have stored nearer
-/// fragments.
-#[derive(Debug)]
-pub enum OneTest {}
 
 /// The method.
 #[derive(Debug)]
@@ -87,30 +132,6 @@ impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
 }
 
-impl Variant for RelaxedUnlock {
-    const CONTRACT: Contract = Contract {
-        name: "kplus-array@M1",
-        title: "Fault M1: unlock by a relaxed store",
-        form: Form::Mutation,
-        exact_when: "under sequential consistency only",
-        racy: true,
-        ..CONTRACT
-    };
-    const UNLOCK: Order = Order::Relaxed;
-}
-
-impl Variant for OneTest {
-    const CONTRACT: Contract = Contract {
-        name: "kplus-array@one-test",
-        title: "Fault: no second cull test inside the lock",
-        form: Form::Mutation,
-        exact_when: "only without concurrency",
-        racy: true,
-        ..CONTRACT
-    };
-    const SECOND_TEST: bool = false;
-}
-
 impl<V: Variant> Scheme for KPlusArray<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
@@ -136,21 +157,47 @@ impl<V: Variant> Scheme for KPlusArray<V> {
         let pixel = fragment.pixel;
         let counter = self.counter.at(pixel, 0);
         let test = mem.block();
-        if mem.load(counter, Order::Acquire).await == self.k
+        let seen = mem.load(counter, V::COUNTER_READ).await;
+        if seen == self.k
             && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
         {
             return Outcome::Culled;
         }
         mem.merge(test).await;
+        if !V::CLEARED_BEFORE {
+            let empty = mem.block();
+            if seen == 0 {
+                mem.store(counter, 0, Order::Relaxed).await;
+                mem.store(self.depth.at(pixel, 0), EMPTY, Order::Relaxed).await;
+            }
+            mem.merge(empty).await;
+        }
+        if !V::SECTION_IN_LOOP {
+            let wait = mem.block();
+            let mark = mem.mark();
+            while self.lock.try_acquire(mem, pixel, V::LOCK).await != FREE {
+                mem.spin(mark).await;
+            }
+            mem.merge(wait).await;
+        }
         let _attempts = mem.block();
         let mark = mem.mark();
+        let mut failures = 0;
         loop {
             let attempt = mem.block();
-            if self.lock.try_acquire(mem, pixel).await == FREE {
+            let found = if V::SECTION_IN_LOOP {
+                self.lock.try_acquire(mem, pixel, V::LOCK).await
+            } else {
+                FREE
+            };
+            if found == FREE {
                 let count = mem.load(counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
                     // Append, into entry 0 if it is the farthest; only then raise the counter.
+                    if !V::ELEMENT_FIRST {
+                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+                    }
                     let mut last = fragment.key();
                     if count > 0 {
                         let farthest = pair_key(self.entry(mem, pixel, 0).await);
@@ -160,35 +207,69 @@ impl<V: Variant> Scheme for KPlusArray<V> {
                         }
                     }
                     self.put(mem, pixel, count, last).await;
-                    mem.store(counter, count + 1, Order::Release).await;
+                    if V::ELEMENT_FIRST {
+                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+                    }
                     outcome = Outcome::Kept;
-                } else if !V::SECOND_TEST
-                    || fragment.key() < pair_key(self.entry(mem, pixel, 0).await)
-                {
-                    // Find who will be the farthest before anything is written.
-                    let (mut place, mut farthest) = (0, fragment.key());
-                    for i in 1..self.k {
-                        // The data word decides only among equal depths, and is read only then.
-                        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
-                        if depth >= depth_of(farthest) {
-                            let entry = key(depth, mem.plain_load(self.data.at(pixel, i)).await);
-                            if entry > farthest {
-                                (place, farthest) = (i, entry);
+                } else {
+                    let mut farthest = u64::MAX;
+                    if V::SECOND_TEST {
+                        farthest = pair_key(self.entry(mem, pixel, 0).await);
+                    }
+                    if V::is_nearer(fragment, farthest) {
+                        // Find who will be the farthest before anything is written.
+                        if !V::FARTHEST_FIRST {
+                            self.put(mem, pixel, 0, fragment.key()).await;
+                        }
+                        let (mut place, mut farthest) = (0, fragment.key());
+                        for i in 1..self.k {
+                            // The data word decides only among equal depths, and is read only then.
+                            let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+                            if depth >= depth_of(farthest) {
+                                let data = mem.plain_load(self.data.at(pixel, i)).await;
+                                if key(depth, data) > farthest {
+                                    (place, farthest) = (i, key(depth, data));
+                                }
                             }
                         }
+                        if place != 0 {
+                            self.put(mem, pixel, place, fragment.key()).await;
+                        }
+                        self.put(mem, pixel, 0, farthest).await;
+                        outcome = Outcome::Evicted;
                     }
-                    if place != 0 {
-                        self.put(mem, pixel, place, fragment.key()).await;
-                    }
-                    self.put(mem, pixel, 0, farthest).await;
-                    outcome = Outcome::Evicted;
                 }
-                self.lock.release(mem, pixel, V::UNLOCK).await;
+                match V::UNLOCK {
+                    Unlock::Write(access) => self.lock.release(mem, pixel, access).await,
+                    Unlock::Exchange(order) => {
+                        self.lock.exchange_free(mem, pixel, order).await;
+                    }
+                }
                 return outcome;
             }
             mem.merge(attempt).await;
-            mem.spin(mark).await;
+            match V::PATIENCE {
+                Patience::Endless => mem.spin(mark).await,
+                Patience::Drops(attempts) => {
+                    failures += 1;
+                    if failures == attempts {
+                        return Outcome::Kept;
+                    }
+                }
+                Patience::Frees(attempts) => {
+                    failures += 1;
+                    let time_out = mem.block();
+                    if failures % attempts == 0 {
+                        self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
+                    }
+                    mem.merge(time_out).await;
+                }
+            }
         }
+    }
+
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        self.check(words, pixel, moment)
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {

@@ -7,46 +7,85 @@
 //! (`insert_empty(p.counter++)`).
 
 use std::future::Future;
+use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, pair_key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
+use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
+/// How the lock is taken and released.
+pub trait Locking: Sync {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// How it is taken.
+    const LOCK: Order;
+    /// How it is released.
+    const UNLOCK: Access;
+}
+
+/// As published: nothing is ordered.
+#[derive(Debug)]
+pub enum PlainUnlock {}
+
+/// Acquired and released, and nothing else mended: what then remains is the order of writes, and the unlocked test
+/// on plain words.
+#[derive(Debug)]
+pub enum OrderedUnlock {}
+
 /// The method.
 #[derive(Debug)]
-pub struct KPlusArrayPublished {
+pub struct KPlusArrayPublished<L = PlainUnlock> {
     k: u32,
     semaphore: Words<Pixel, Atomic, u32>,
     counter: Words<Pixel, Plain, u32>,
     depth: Words<Pixel, Plain, u32>,
     data: Words<Pixel, Plain, u32>,
+    locking: PhantomData<L>,
 }
 
-impl Scheme for KPlusArrayPublished {
-    const CONTRACT: Contract = Contract {
-        name: "kplus-array@published",
-        title: "k+-buffer: spin lock and max-array, as in Algorithm 3",
-        paper: "Vasilakis, Fudos 2014",
-        section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
-        form: Form::Published,
-        passes: 1,
-        words: "2k + 2",
-        keeps: Keeps::Nearest,
-        exact_when: "no two invocations of a pixel overlap, and depths differ",
-        arrival_dependent: true,
-        racy: true,
-        ties: "the first to arrive stays",
-        overflow: "the farthest is evicted",
-        needs: "32-bit atomic exchange; forward progress of the lock's holder",
-        wgsl: Some("storage buffers; a data race"),
-        depth_format: None,
-        default_k: Some(8),
-        max_k: u32::MAX / 4,
-        demand: Demand::Nothing,
-        barriers: Barriers::ALL,
-        source: include_str!("kplus_array_published.rs"),
-    };
+const CONTRACT: Contract = Contract {
+    name: "kplus-array@published",
+    title: "k+-buffer: spin lock and max-array, as in Algorithm 3",
+    paper: "Vasilakis, Fudos 2014",
+    section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
+    form: Form::Published,
+    passes: 1,
+    words: "2k + 2",
+    keeps: Keeps::Nearest,
+    exact_when: "no two invocations of a pixel overlap, and depths differ",
+    arrival_dependent: true,
+    racy: true,
+    ties: "the first to arrive stays",
+    overflow: "the farthest is evicted",
+    needs: "32-bit atomic exchange; forward progress of the lock's holder",
+    wgsl: Some("storage buffers; a data race"),
+    depth_format: None,
+    default_k: Some(8),
+    max_k: u32::MAX / 4,
+    demand: Demand::Nothing,
+    barriers: Barriers::ALL,
+    source: include_str!("kplus_array_published.rs"),
+};
+
+impl Locking for PlainUnlock {
+    const CONTRACT: Contract = CONTRACT;
+    const LOCK: Order = Order::Relaxed;
+    const UNLOCK: Access = Access::Plain;
+}
+
+impl Locking for OrderedUnlock {
+    const CONTRACT: Contract = CONTRACT.fault(
+        "kplus-array@published-fixed-unlock",
+        "Fault published-fixed-unlock: as in Algorithm 3, but for an ordered lock",
+        CONTRACT.exact_when,
+    );
+    const LOCK: Order = Order::Acquire;
+    const UNLOCK: Access = Access::Atomic(Order::Release);
+}
+
+impl<L: Locking> Scheme for KPlusArrayPublished<L> {
+    const CONTRACT: Contract = L::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
@@ -56,6 +95,7 @@ impl Scheme for KPlusArrayPublished {
             counter: layout.pixel(1),
             depth: layout.pixel(u64::from(k)),
             data: layout.pixel(u64::from(k)),
+            locking: PhantomData,
         }
     }
 
@@ -75,7 +115,8 @@ impl Scheme for KPlusArrayPublished {
         let mark = mem.mark();
         loop {
             let attempt = mem.block();
-            if mem.exchange(self.semaphore.at(pixel, 0), 1, Order::Relaxed).await == 0 {
+            let found = mem.exchange(self.semaphore.at(pixel, 0), 1, L::LOCK).await;
+            if found == 0 {
                 let count = mem.plain_load(self.counter.at(pixel, 0)).await;
                 let outcome = if count < self.k {
                     self.insert_empty(mem, fragment, count).await
@@ -84,7 +125,7 @@ impl Scheme for KPlusArrayPublished {
                 } else {
                     Outcome::Culled
                 };
-                mem.plain_store_to_atomic(self.semaphore.at(pixel, 0), 0).await;
+                mem.write(self.semaphore.at(pixel, 0), 0, L::UNLOCK).await;
                 return outcome;
             }
             mem.merge(attempt).await;
@@ -100,7 +141,7 @@ impl Scheme for KPlusArrayPublished {
     }
 }
 
-impl KPlusArrayPublished {
+impl<L> KPlusArrayPublished<L> {
     /// Algorithm 3, line 17.
     #[inline(always)]
     async fn is_culled<M: Memory>(&self, mem: &M, fragment: Fragment) -> bool {

@@ -11,10 +11,13 @@ pub mod ab_ll;
 pub mod catalogue;
 pub mod contract;
 pub mod exact;
+#[cfg(test)]
+mod hand_made;
 pub mod kb;
 pub mod kplus_array;
 pub mod kplus_array_published;
 pub mod lock;
+pub mod mutation;
 pub mod z_buffer;
 
 use std::future::Future;
@@ -37,7 +40,7 @@ pub struct Config {
 }
 
 /// What became of a fragment, as far as its own invocation can tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Outcome {
     /// Stored.
     #[default]

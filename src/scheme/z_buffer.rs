@@ -1,67 +1,127 @@
 //! The Z-buffer: the nearest fragment only, by one 64-bit atomic minimum on (depth, data), which also settles ties in
 //! canonical order. Hardware does the same with its depth test.
 
+use std::marker::PhantomData;
+
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
-use crate::num::depth::EMPTY;
+use crate::num::depth::{EMPTY, FARTHEST};
 use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
-/// Depth in the upper half of one word per pixel, data in the lower.
-#[derive(Debug)]
-pub struct ZBuffer {
-    nearest: Words<Pixel, Atomic, u64>,
+/// The correct form, or a fault in it.
+pub trait Variant: Sync {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// What the clear pass writes; every fragment that counts is nearer.
+    const CLEARED: u64 = key(EMPTY, u32::MAX);
+    /// Whether the nearer key is written by one atomic operation.
+    const ATOMIC_MIN: bool = true;
 }
 
-const CLEARED: u64 = (EMPTY as u64) << 32 | 0xFFFF_FFFF;
+/// No fault.
+#[derive(Debug)]
+pub enum Correct {}
 
-impl Scheme for ZBuffer {
+/// M18: cleared to the far plane, as to depth 1.0 with a strict test: what lies there is not nearer, and is culled. With
+/// 0 for the data word, no fragment of that plane has a smaller key.
+#[derive(Debug)]
+pub enum ClearedToFarPlane {}
+
+/// A load, a comparison and a store: another invocation may have written a nearer key in between.
+#[derive(Debug)]
+pub enum LoadStore {}
+
+/// Depth in the upper half of one word per pixel, data in the lower.
+#[derive(Debug)]
+pub struct ZBuffer<V = Correct> {
+    nearest: Words<Pixel, Atomic, u64>,
+    variant: PhantomData<V>,
+}
+
+const CONTRACT: Contract = Contract {
+    name: "z-buffer",
+    title: "Nearest fragment only",
+    paper: "Catmull 1974",
+    section: "k+-buffer paper, 3.4 (k = 1)",
+    form: Form::Correct,
+    passes: 1,
+    words: "2",
+    keeps: Keeps::One,
+    exact_when: "always (k = 1)",
+    arrival_dependent: false,
+    racy: false,
+    ties: "canonical: the smaller data word stays",
+    overflow: "none",
+    needs: "64-bit atomic min, relaxed",
+    wgsl: Some("the device's depth test, or 64-bit atomicMin where there is one"),
+    depth_format: None,
+    default_k: None,
+    max_k: u32::MAX,
+    demand: Demand::Nothing,
+    barriers: Barriers::ALL,
+    source: include_str!("z_buffer.rs"),
+};
+
+impl Variant for Correct {
+    const CONTRACT: Contract = CONTRACT;
+}
+
+impl Variant for ClearedToFarPlane {
     const CONTRACT: Contract = Contract {
-        name: "z-buffer",
-        title: "Nearest fragment only",
-        paper: "Catmull 1974",
-        section: "k+-buffer paper, 3.4 (k = 1)",
-        form: Form::Correct,
-        passes: 1,
-        words: "2",
-        keeps: Keeps::One,
-        exact_when: "always (k = 1)",
-        arrival_dependent: false,
         racy: false,
-        ties: "canonical: the smaller data word stays",
-        overflow: "none",
-        needs: "64-bit atomic min, relaxed",
-        wgsl: Some("the device's depth test, or 64-bit atomicMin where there is one"),
-        depth_format: None,
-        default_k: None,
-        max_k: u32::MAX,
-        demand: Demand::Nothing,
-        barriers: Barriers::ALL,
-        source: include_str!("z_buffer.rs"),
+        ..CONTRACT.fault(
+            "z-buffer@M18",
+            "Fault M18: cleared to depth 1.0, so that the far plane is culled",
+            "nothing lies on the far plane, or depths are not stored as 32-bit codes",
+        )
     };
+    const CLEARED: u64 = key(FARTHEST, 0);
+}
+
+impl Variant for LoadStore {
+    const CONTRACT: Contract = CONTRACT.fault(
+        "z-buffer@load-store",
+        "Fault load-store: a load, a comparison and a store instead of an atomic minimum",
+        "no two invocations of a pixel overlap",
+    );
+    const ATOMIC_MIN: bool = false;
+}
+
+impl<V: Variant> Scheme for ZBuffer<V> {
+    const CONTRACT: Contract = V::CONTRACT;
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
-        Self { nearest: layout.pixel(1) }
+        Self { nearest: layout.pixel(1), variant: PhantomData }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        mem.store(self.nearest.at(pixel, 0), CLEARED, Order::Relaxed).await;
+        mem.store(self.nearest.at(pixel, 0), V::CLEARED, Order::Relaxed).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let old = mem.min(self.nearest.at(fragment.pixel, 0), fragment.key(), Order::Relaxed).await;
-        if old == CLEARED {
-            Outcome::Kept
-        } else if fragment.key() < old {
-            Outcome::Evicted
+        let nearest = self.nearest.at(fragment.pixel, 0);
+        let old = if V::ATOMIC_MIN {
+            mem.min(nearest, fragment.key(), Order::Relaxed).await
         } else {
+            let old = mem.load(nearest, Order::Relaxed).await;
+            if fragment.key() < old {
+                mem.store(nearest, fragment.key(), Order::Relaxed).await;
+            }
+            old
+        };
+        if fragment.key() >= old {
             Outcome::Culled
+        } else if old == V::CLEARED {
+            Outcome::Kept
+        } else {
+            Outcome::Evicted
         }
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let nearest = mem.load(self.nearest.at(pixel, 0), Order::Relaxed).await;
-        if nearest < key(EMPTY, 0) {
+        if nearest < V::CLEARED {
             keys.push(nearest);
         }
     }

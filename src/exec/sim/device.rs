@@ -2,14 +2,37 @@
 
 use std::future::Future;
 
-use super::pass::Pass;
+use super::pass::{Pass, Watcher};
 use super::policy::{Any, Policy, Settings};
 use super::schedule::Recorder;
+use super::watch::Recording;
 use crate::error::Result;
 use crate::fragment::Fragment;
 use crate::memory::Observer;
 use crate::memory::sim::Sim;
 use crate::scheme::{Keys, Outcome, Scheme};
+
+/// One invocation of any pass.
+#[derive(Clone, Copy, Debug)]
+pub enum Work {
+    /// Clear a pixel, or the frame's words.
+    Clear(Option<u32>),
+    /// Store a fragment.
+    Store(Fragment),
+    /// Resolve a pixel.
+    Resolve(u32),
+}
+
+/// What it gave.
+#[derive(Clone, Debug)]
+pub enum Done {
+    /// Nothing.
+    Cleared,
+    /// What became of the fragment.
+    Stored(Outcome),
+    /// The pixel's fragments.
+    Resolved(Keys),
+}
 
 /// The scheme, its memory, and who goes next.
 #[derive(Debug)]
@@ -47,20 +70,48 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
                 None => scheme.clear_frame(mem).await,
             }
         };
-        self.pass(work, invoke, |_, ()| ())
+        self.pass(work, invoke, |_, ()| (), None)
     }
 
     /// Store fragments, to the end.
     ///
     /// # Errors
     /// See [`Self::clear`].
-    pub fn store(
-        &mut self,
+    pub fn store<'b>(
+        &'b mut self,
         work: impl Iterator<Item = Fragment>,
         done: impl FnMut(&Fragment, Outcome),
+        watcher: Option<&'b mut Recording>,
     ) -> Result<()> {
         let (scheme, mem) = (self.scheme, self.mem);
-        self.pass(work, move |&fragment| scheme.store(mem, fragment), done)
+        let invoke = move |&fragment: &Fragment| scheme.store(mem, fragment);
+        self.pass(work, invoke, done, watcher.map(|w| w as &mut (dyn Watcher<Fragment> + 'b)))
+    }
+
+    /// Run work of several passes as one, to the end: what happens where a barrier is missing.
+    ///
+    /// # Errors
+    /// See [`Self::clear`].
+    pub fn mixed(
+        &mut self,
+        work: impl Iterator<Item = Work>,
+        done: impl FnMut(&Work, Done),
+    ) -> Result<()> {
+        let (scheme, mem) = (self.scheme, self.mem);
+        let invoke = move |&work: &Work| async move {
+            match work {
+                Work::Clear(None) => scheme.clear_frame(mem).await,
+                Work::Clear(Some(pixel)) => scheme.clear(mem, pixel).await,
+                Work::Store(fragment) => return Done::Stored(scheme.store(mem, fragment).await),
+                Work::Resolve(pixel) => {
+                    let mut keys = Keys::new();
+                    scheme.resolve(mem, pixel, &mut keys).await;
+                    return Done::Resolved(keys);
+                }
+            }
+            Done::Cleared
+        };
+        self.pass(work, invoke, done, None)
     }
 
     /// Resolve pixels, to the end.
@@ -78,16 +129,19 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
             scheme.resolve(mem, pixel, &mut keys).await;
             keys
         };
-        self.pass(work, invoke, done)
+        self.pass(work, invoke, done, None)
     }
 
-    fn pass<W, F: Future>(
-        &mut self,
+    fn pass<'b, W, F: Future>(
+        &'b mut self,
         work: impl Iterator<Item = W>,
         invoke: impl Fn(&W) -> F,
         done: impl FnMut(&W, F::Output),
+        watcher: Option<&'b mut (dyn Watcher<W> + 'b)>,
     ) -> Result<()> {
-        Pass::new(self.mem, &mut self.policy, [self.resident, self.group], work, invoke, done)
+        let mem: &'b Sim<O> = self.mem;
+        Pass::new(mem, &mut self.policy, [self.resident, self.group], work, invoke, done)
+            .watched(watcher)
             .run(self.recorder.as_mut())
     }
 

@@ -12,18 +12,24 @@ mod pass;
 pub mod policy;
 pub mod schedule;
 mod submission;
+mod watch;
 
 use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame, PixelCounts};
 use crate::error::Result;
+use crate::fragment::Fragment;
 use crate::memory::sim::Sim as Memory;
 use crate::memory::{Layout, Observer};
 use crate::scheme::Scheme;
-use device::Device;
+use crate::scheme::contract::Barriers;
+use device::{Device, Done, Work};
 use policy::Settings;
 use submission::Submission;
+use watch::Recording;
+
+pub use watch::Watched;
 
 /// What a run on the simulated device gives.
 #[derive(Clone, Debug)]
@@ -32,6 +38,8 @@ pub struct Simulated {
     pub frame: Frame,
     /// The schedule, if it was recorded.
     pub schedule: Option<Vec<u8>>,
+    /// What happened at the pixel that was watched.
+    pub watched: Option<Watched>,
 }
 
 /// Run a scheme. `pattern` fills memory beforehand: only clear passes make it fit for use.
@@ -55,13 +63,44 @@ pub fn run<S: Scheme, O: Observer + Default>(
     let mut lists = vec![Vec::new(); grid.storage_pixels()];
 
     let pixels = || (0..grid.storage_pixels() as u32).filter(|&p| on_screen(job, p));
-    device.clear(std::iter::once(None).chain(pixels().map(Some)))?;
-    watch.lap("clear");
-    device.store(Submission::new(job, &mut counts.generated), |fragment, outcome| {
-        counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
-    })?;
-    watch.lap("store");
-    device.resolve(pixels(), |&pixel, keys| lists[pixel as usize] = keys)?;
+    let clears = || std::iter::once(None).chain(pixels().map(Some));
+    let mut recording = settings.watch.map(Recording::new);
+    if S::CONTRACT.barriers == Barriers::ALL {
+        device.clear(clears())?;
+        watch.lap("clear");
+        let submission = Submission::new(job, &mut counts.generated);
+        let done = |fragment: &Fragment, outcome| {
+            counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
+        };
+        device.store(submission, done, recording.as_mut())?;
+        watch.lap("store");
+        device.resolve(pixels(), |&pixel, keys| lists[pixel as usize] = keys)?;
+    } else {
+        // Passes without a barrier between them are one queue.
+        let Barriers { before_store, before_resolve } = S::CONTRACT.barriers;
+        let mut done = |work: &Work, done| match (work, done) {
+            (Work::Store(fragment), Done::Stored(outcome)) => {
+                counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
+            }
+            (Work::Resolve(pixel), Done::Resolved(keys)) => lists[*pixel as usize] = keys,
+            _ => {}
+        };
+        let clears = clears().map(Work::Clear);
+        let stores = Submission::new(job, &mut counts.generated).map(Work::Store);
+        let resolves = pixels().map(Work::Resolve);
+        match (before_store, before_resolve) {
+            (false, false) => device.mixed(clears.chain(stores).chain(resolves), &mut done)?,
+            (false, true) => {
+                device.mixed(clears.chain(stores), &mut done)?;
+                device.mixed(resolves, &mut done)?;
+            }
+            _ => {
+                device.mixed(clears, &mut done)?;
+                device.mixed(stores.chain(resolves), &mut done)?;
+            }
+        }
+        watch.lap("store");
+    }
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
     let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
@@ -76,7 +115,11 @@ pub fn run<S: Scheme, O: Observer + Default>(
     watch.lap("resolve");
     let counters = mem.observer().counters().cloned().unwrap_or_default();
     let frame = Frame::new(job, tiles, &reports, counters);
-    Ok(Simulated { frame: Frame { seconds: watch.seconds(), ..frame }, schedule })
+    Ok(Simulated {
+        frame: Frame { seconds: watch.seconds(), ..frame },
+        schedule,
+        watched: recording.map(Recording::finish),
+    })
 }
 
 /// Whether a storage place is a pixel of the image.

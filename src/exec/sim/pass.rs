@@ -39,6 +39,16 @@ pub(super) struct Pass<'a, O, W, F, Q, I, D> {
     live: usize,
     /// Slots that are to be filled now.
     vacant: Range<usize>,
+    watcher: Option<&'a mut (dyn Watcher<W> + 'a)>,
+}
+
+/// Is told who takes a slot and who makes a step.
+pub(super) trait Watcher<W> {
+    /// Work was set into a slot.
+    fn takes(&mut self, slot: u32, work: &W);
+
+    /// A slot's invocation performs an operation.
+    fn steps(&mut self, slot: u32);
 }
 
 impl<'a, O, W, F, Q, I, D> Pass<'a, O, W, F, Q, I, D>
@@ -73,7 +83,13 @@ where
             live_in_group,
             live,
             vacant,
+            watcher: None,
         }
+    }
+
+    /// With somebody to watch it.
+    pub(super) fn watched(self, watcher: Option<&'a mut (dyn Watcher<W> + 'a)>) -> Self {
+        Self { watcher, ..self }
     }
 
     /// Run it to its end.
@@ -98,6 +114,8 @@ where
                 Poll::Pending => {
                     if filled.is_some() {
                         self.admit(slot);
+                    } else if self.mem.take_waited() {
+                        self.policy.waits(slot);
                     }
                     patience -= 1;
                     if patience == 0 {
@@ -127,6 +145,9 @@ where
         if let Some(recorder) = recorder {
             recorder.step(slot);
         }
+        if let Some(watcher) = &mut self.watcher {
+            watcher.steps(slot);
+        }
         self.mem.grant();
         Ok(slot)
     }
@@ -145,6 +166,9 @@ where
         };
         let slot = self.vacant.start;
         self.invocations[slot].set(Some((self.invoke)(&work)));
+        if let Some(watcher) = &mut self.watcher {
+            watcher.takes(slot as u32, &work);
+        }
         self.work[slot] = Some(work);
         Some(slot as u32)
     }

@@ -1,6 +1,7 @@
 //! Any of the policies, as one type: the device's loop then holds their code, and there is one loop for all of them.
 
 use super::order::{Order, Reverse};
+use super::pct::Pct;
 use super::random::RandomSlot;
 use super::recorded::Recorded;
 use super::round_robin::RoundRobin;
@@ -20,6 +21,7 @@ enum Inner {
     RoundRobin(RoundRobin),
     Random(RandomSlot),
     Warp(Warp),
+    Pct(Pct),
     Recorded(Recorded),
 }
 
@@ -32,6 +34,7 @@ macro_rules! each {
             Inner::RoundRobin($policy) => $call,
             Inner::Random($policy) => $call,
             Inner::Warp($policy) => $call,
+            Inner::Pct($policy) => $call,
             Inner::Recorded($policy) => $call,
         }
     };
@@ -53,6 +56,10 @@ impl Any {
                 let problem = format!("warp:{lanes}: a warp has 1 to {MAX_WARP} lanes");
                 return Err(Error::new("--schedule", problem));
             }
+            Kind::Pct(0) => {
+                return Err(Error::new("--schedule", "pct:0: the depth is at least 1"));
+            }
+            Kind::Pct(depth) => Inner::Pct(Pct::new(settings.seed, *depth, settings.resident)),
             Kind::Recorded(bytes) => {
                 let reader = Reader::new(bytes.clone(), settings.fingerprint)?;
                 Inner::Recorded(Recorded::new(reader))
@@ -75,6 +82,10 @@ impl Policy for Any {
 
     fn retire(&mut self, slot: u32) {
         each!(&mut self.0, policy => policy.retire(slot));
+    }
+
+    fn waits(&mut self, slot: u32) {
+        each!(&mut self.0, policy => policy.waits(slot));
     }
 
     /// Whole scenes run under `random`: only that one stands in the loop itself.

@@ -2,6 +2,7 @@
 
 mod any;
 mod order;
+mod pct;
 mod random;
 mod recorded;
 mod round_robin;
@@ -18,6 +19,11 @@ pub trait Policy {
 
     /// The slot's invocation ended.
     fn retire(&mut self, slot: u32);
+
+    /// The slot's invocation is about to repeat an attempt: it waits for another one.
+    fn waits(&mut self, slot: u32) {
+        let _ = slot;
+    }
 
     /// The slot that goes next.
     ///
@@ -62,6 +68,8 @@ pub enum Kind {
     Random,
     /// Warps of N consecutive invocations in lockstep, in turn.
     Warp(u32),
+    /// Priorities, and D - 1 random moments at which the highest one falls: D at least 1.
+    Pct(u32),
     /// A schedule recorded before.
     Recorded(Vec<u8>),
 }
@@ -71,7 +79,7 @@ pub enum Kind {
 pub struct Settings {
     /// Who goes next.
     pub policy: Kind,
-    /// Seed of `Kind::Random`.
+    /// Seed of `Kind::Random` and `Kind::Pct`.
     pub seed: u64,
     /// Invocations in flight, at least 1; a recorded schedule brings its own.
     pub resident: usize,
@@ -79,6 +87,8 @@ pub struct Settings {
     pub record: bool,
     /// What a schedule belongs to (`schedule::fingerprint`).
     pub fingerprint: u64,
+    /// A storage pixel whose fragments and steps are to be told.
+    pub watch: Option<u32>,
 }
 
 /// The most lanes a warp has.

@@ -1,0 +1,118 @@
+//! A method of one's own, outside of the catalogue, and what fragloom's checks make of it: an A-buffer in per-pixel
+//! lists, pushed by compare-exchange (Treiber's stack).
+//!
+//! `cargo run --release --example user_scheme` verifies it. With `-- broken` the head is replaced whatever it is
+//! by then: that loses fragments, is refuted with a schedule that shows it, and gives exit code 1.
+
+use std::process::ExitCode;
+
+use fragloom::explore::{Limits, Plan, Subject, Verdict, check};
+use fragloom::fragment::{Fragment, key};
+use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Update, Words};
+use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+/// The end of a list.
+const NONE: u32 = u32::MAX;
+
+/// A list by compare-exchange, or its broken twin.
+pub(crate) struct CasList<const BROKEN: bool> {
+    head: Words<Pixel, Atomic, u32>,
+    pool: Pool,
+    /// Three words per node: next, depth, data.
+    nodes: Words<Global, Plain, u32>,
+    capacity: u64,
+}
+
+impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
+    const CONTRACT: Contract = Contract {
+        name: if BROKEN { "cas-list@broken" } else { "cas-list" },
+        title: "A-buffer in per-pixel lists, pushed by compare-exchange",
+        paper: "Treiber 1986",
+        section: "",
+        form: Form::Correct,
+        passes: 1,
+        words: "1, and 3F + 1 for the frame",
+        keeps: Keeps::All,
+        exact_when: "the pool holds F nodes",
+        arrival_dependent: false,
+        racy: false,
+        ties: "all kept",
+        overflow: "drop, counted",
+        needs: "32-bit atomic add and compare-exchange, relaxed",
+        wgsl: Some("storage buffers; atomicAdd, atomicCompareExchangeWeak"),
+        depth_format: None,
+        default_k: None,
+        max_k: u32::MAX,
+        demand: Demand::Generated,
+        barriers: Barriers::ALL,
+        source: include_str!("user_scheme.rs"),
+    };
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let capacity = config.generated;
+        let (head, pool) = (layout.pixel(1), layout.pool());
+        Self { head, pool, nodes: layout.global(3 * capacity), capacity }
+    }
+
+    async fn clear_frame<M: Memory>(&self, mem: &M) {
+        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.store(self.head.at(pixel, 0), NONE, Order::Relaxed).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let (node, head) = (mem.take(self.pool).await, self.head.at(fragment.pixel, 0));
+        if u64::from(node) >= self.capacity {
+            return Outcome::Pool;
+        }
+        let [next, depth, data] = [0, 1, 2].map(|i| self.nodes.at(3 * u64::from(node) + i));
+        mem.plain_store(depth, fragment.depth).await;
+        mem.plain_store(data, fragment.data).await;
+        // A lane that succeeds leaves both blocks; where a warp comes together matters, and a check knows it by these.
+        let _attempts = mem.block();
+        let mark = mem.mark();
+        loop {
+            let attempt = mem.block();
+            let first = mem.load(head, Order::Relaxed).await;
+            mem.plain_store(next, first).await;
+            let push = match BROKEN {
+                false => Update::CompareExchange { expected: first, new: node },
+                true => Update::Exchange(node),
+            };
+            if mem.update(head, push, Order::Relaxed).await == first || BROKEN {
+                return Outcome::Kept;
+            }
+            mem.merge(attempt).await;
+            mem.spin(mark).await;
+        }
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let mut node = mem.load(self.head.at(pixel, 0), Order::Relaxed).await;
+        while node != NONE {
+            let [next, depth, data] = [0, 1, 2].map(|i| self.nodes.at(3 * u64::from(node) + i));
+            keys.push(key(mem.plain_load(depth).await, mem.plain_load(data).await));
+            node = mem.plain_load(next).await;
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let broken = std::env::args().nth(1).is_some_and(|word| word == "broken");
+    let list = Subject::of::<CasList<false>>();
+    let subject = if broken { Subject::of::<CasList<true>>() } else { list };
+    let limits = Limits { states: 5_000_000, cancelled: &|| false };
+    let rows = check(&subject, &Plan::default(), &limits);
+    for row in &rows {
+        let property = row.property.as_deref().unwrap_or_default();
+        let under = row.progress.as_deref().or(row.profile.as_deref()).unwrap_or(&row.memory);
+        println!("{:8}  {property:12}  {under:8}  {}", row.verdict.name(), row.message);
+        if let Some(token) = &row.token {
+            println!("          shown by {token}");
+        }
+    }
+    ExitCode::from(u8::from(rows.iter().any(|row| row.verdict == Verdict::Violated)))
+}

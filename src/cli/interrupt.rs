@@ -1,0 +1,29 @@
+//! Ctrl-C during long work: the first one asks for what was found so far, the second one ends the program.
+
+use crossbeam_channel::{Receiver, bounded};
+
+/// Ctrl-C, and whether it was pressed.
+pub(super) struct Interrupt(Receiver<()>);
+
+/// The usual exit code of a program that Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
+
+impl Interrupt {
+    /// From now on.
+    pub(super) fn watch() -> Self {
+        let (pressed, seen) = bounded(1);
+        let handler = move || {
+            if pressed.try_send(()).is_err() {
+                std::process::exit(INTERRUPTED);
+            }
+        };
+        // Without a handler, Ctrl-C ends the program at once: nothing is lost but a partial result.
+        let _ = ctrlc::set_handler(handler);
+        Self(seen)
+    }
+
+    /// Whether it was pressed.
+    pub(super) fn pressed(&self) -> bool {
+        !self.0.is_empty()
+    }
+}

@@ -1,0 +1,36 @@
+//! `fragloom mutations`: the faults that are built in, and the methods that have them.
+
+use super::{Verdict, say};
+use crate::error::Result;
+use crate::report::json;
+use crate::report::text::{Align, columns};
+use crate::scheme::mutation::{MUTATIONS, Mutation};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Print the list.
+///
+/// # Errors
+/// stdout cannot be written.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let text = if args.json { json::document(&MUTATIONS)? } else { table(MUTATIONS) };
+    say::result(&text)?;
+    Ok(Verdict::Clean)
+}
+
+/// A line per mutation, and one per method under it that has it, or why none does.
+fn table(mutations: &[Mutation]) -> String {
+    let mut rows = vec![["mutation", "what is wrong"].map(str::to_owned).to_vec()];
+    for mutation in mutations {
+        rows.push(vec![mutation.id.to_owned(), mutation.text.to_owned()]);
+        let absent = mutation.absent.map(|why| format!("none: {why}"));
+        let below = mutation.variants.iter().map(|name| format!("-m {name}")).chain(absent);
+        rows.extend(below.map(|line| vec![String::new(), format!("  {line}")]));
+    }
+    columns(&[Align::Left, Align::Left], &rows)
+}

@@ -1,0 +1,209 @@
+//! `fragloom replay`: run a token's interleaving again.
+
+use std::path::PathBuf;
+
+use super::flags::Output;
+use super::interrupt::Interrupt;
+use super::{Verdict, say, values, wait};
+use crate::error::{Error, Result};
+use crate::explore::minimise::{minimise_litmus, minimise_scene};
+use crate::explore::replay::{Replay, replay};
+use crate::explore::token::{LitmusToken, SceneToken};
+use crate::explore::{Limits, Token};
+use crate::image::png;
+use crate::render::{Exec, Options, Rendering, Sim, render};
+use crate::report::text::{Align, columns};
+use crate::report::{files, json, table};
+use crate::scene::{self, Overrides, Scene};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// What `fragloom check` printed: a value that begins with fl1-
+    #[arg(value_name = "TOKEN")]
+    token: String,
+
+    /// Print the interleaving: one column per invocation, the words, and the step after which no way was right
+    #[arg(long)]
+    trace: bool,
+
+    /// Cut it down: of a scene to one pixel; of a pixel fragments, then switches between invocations; print the token
+    #[arg(long)]
+    minimise: bool,
+
+    /// Write the picture of a scene's token, or the trace of a pixel's, into a folder [default: not written]
+    #[arg(short = 'o', value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Run the token again. Exit code 1: what it shows is a violation, and it shows again.
+///
+/// # Errors
+/// A token that is damaged, of another version, or of something that has changed since.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let token: Token = args.token.parse()?;
+    let interrupt = Interrupt::watch();
+    let cancelled = || interrupt.pressed();
+    let limits = Limits { states: 2_000_000, cancelled: &cancelled };
+    match token {
+        Token::Litmus(token) => litmus(args, &token, &limits),
+        Token::Scene(token) => scene(args, &token, &limits),
+    }
+}
+
+fn litmus(args: &Args, token: &LitmusToken, limits: &Limits<'_>) -> Result<Verdict> {
+    let mut token = token.clone();
+    if args.minimise {
+        let smaller = || minimise_litmus(&token, limits);
+        token = wait::during(args.output.quiet, "minimising", smaller)?;
+    }
+    let replayed = wait::during(args.output.quiet, "replaying", || replay(&token))?;
+    let text = if args.output.json {
+        json::document(&document(&token, &replayed))?
+    } else {
+        story(args, &token, &replayed)
+    };
+    say::result(&text)?;
+    if let Some(folder) = &args.out {
+        files::write_bytes(&folder.join("trace.txt"), trace(&replayed).as_bytes())?;
+    }
+    let shown = replayed.run.violations().next().is_some() || replayed.cycle > 0;
+    Ok(if shown { Verdict::Found } else { Verdict::Clean })
+}
+
+fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
+    let device = token.device();
+    let warp = if device.warp.is_some() { ", lanes of one warp" } else { "" };
+    let mut text = format!(
+        "{} on {}, memory {}{warp}: {} steps; it was made of a violation of '{}'\n",
+        token.method,
+        token.litmus.describe(),
+        device.memory,
+        replayed.run.events.len(),
+        token.property
+    );
+    if args.minimise {
+        text += &format!("{}\n", Token::Litmus(token.clone()));
+    }
+    if args.trace {
+        text.push('\n');
+        text += &trace(replayed);
+        text.push('\n');
+    }
+    replayed.ending().iter().for_each(|line| text += &format!("{line}\n"));
+    for (property, told) in replayed.run.events.iter().flat_map(|event| &event.wrong) {
+        text += &format!("{}: {told}\n", property.name());
+    }
+    if let Some(steps) = replayed.doomed_after {
+        text += &format!("after step {steps}, no way to go on was right\n");
+    }
+    if replayed.cycle > 0 {
+        text += &format!("the last {} steps repeat for ever\n", replayed.cycle);
+    }
+    text
+}
+
+fn trace(replayed: &Replay) -> String {
+    let rows = replayed.table();
+    let width = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut align = vec![Align::Left; width];
+    align[0] = Align::Right;
+    columns(&align, &rows)
+}
+
+fn document(token: &LitmusToken, replayed: &Replay) -> serde_json::Value {
+    let steps: Vec<Vec<String>> = replayed.table();
+    let wrong = replayed.run.violations();
+    let wrong: Vec<_> = wrong
+        .map(|(property, told)| serde_json::json!({ "property": property.name(), "message": told }))
+        .collect();
+    serde_json::json!({
+        "method": token.method,
+        "property": token.property,
+        "instance": token.litmus.describe(),
+        "memory": token.device().memory.name(),
+        "profile": token.device().memory.profile(),
+        "token": Token::Litmus(token.clone()).to_string(),
+        "steps": replayed.run.events.len(),
+        "cycle": replayed.cycle,
+        "doomed_after": replayed.doomed_after,
+        "violations": wrong,
+        "trace": steps,
+    })
+}
+
+fn scene(args: &Args, token: &SceneToken, limits: &Limits<'_>) -> Result<Verdict> {
+    let overrides = Overrides { size: Some(token.size), ..Overrides::default() };
+    let quiet = args.output.quiet;
+    let scene = wait::during(quiet, "loading", || scene::load(&token.scene, &overrides))?;
+    let options = options(token)?;
+    if args.trace && !args.minimise {
+        let problem = "is for pixels: --minimise cuts a scene's token down to one";
+        return Err(Error::new("--trace", problem));
+    }
+    let drawn = wait::during(quiet, "replaying", || render(&scene, &options))?;
+    if drawn.report.fragments_hash != token.fragments_hash {
+        let problem = "the token's scene or method has changed since: it gives other fragments";
+        return Err(Error::new("TOKEN", problem));
+    }
+    if let Some(folder) = &args.out {
+        let bytes = png::encode(&drawn.image)
+            .map_err(|error| Error::new(folder.display().to_string(), error.to_string()))?;
+        files::write_bytes(&folder.join("replay.png"), &bytes)?;
+    }
+    if args.minimise {
+        let cut = || minimise_scene(&scene, &options, limits);
+        let smaller = wait::during(quiet, "minimising", cut)?;
+        return litmus(
+            &Args { token: String::new(), minimise: true, out: None, ..args.copy() },
+            &smaller,
+            limits,
+        );
+    }
+    report(args, &scene, &drawn)
+}
+
+fn report(args: &Args, scene: &Scene, drawn: &Rendering) -> Result<Verdict> {
+    let text = if args.output.json {
+        json::document(&drawn.report)?
+    } else {
+        format!(
+            "{} again, with the same fragments\n{}",
+            scene.name,
+            table::accounting(&drawn.report)
+        )
+    };
+    say::result(&text)?;
+    let lost = drawn.report.dropped.get("lost").is_some_and(|&n| n > 0);
+    let wrong = lost || drawn.report.duplicated + drawn.report.torn > 0;
+    Ok(if wrong || !drawn.report.violations.is_empty() { Verdict::Found } else { Verdict::Clean })
+}
+
+fn options(token: &SceneToken) -> Result<Options> {
+    let policy = values::schedule(&token.schedule)?;
+    let resident = usize::try_from(token.resident).unwrap_or(usize::MAX);
+    let sim = Sim { policy, seed: token.seed, resident, ..Sim::default() };
+    let method = super::catalogue::find("TOKEN", &token.method)?;
+    let options = Options {
+        method: token.method.clone(),
+        k: token.k,
+        exec: Exec::Sim(sim),
+        ..Options::default()
+    };
+    options.check(method)?;
+    Ok(options)
+}
+
+impl Args {
+    fn copy(&self) -> Self {
+        Self {
+            token: self.token.clone(),
+            trace: self.trace,
+            minimise: self.minimise,
+            out: self.out.clone(),
+            output: self.output.clone(),
+        }
+    }
+}

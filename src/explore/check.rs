@@ -1,0 +1,474 @@
+//! Checking a method: its instances, explored in parallel, and one row per property.
+//!
+//! Instances are explored by size. A size at which a result is wrong is the last one: larger ones would show nothing
+//! smaller. What was explored until then is every row's bound.
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
+use super::exhaustive::{self, Explored, Found, Limits};
+use super::litmus::{self, Family, Litmus};
+use super::machine::Device;
+use super::model::MemoryModel;
+use super::progress::{self, Lasso, Progress, Progressed};
+use super::property::{self, Property};
+use super::run;
+use super::schedule::Move;
+use super::shader::Subject;
+use super::sites;
+use super::token::{LitmusToken, Token};
+use super::verdict::{Row, Verdict};
+
+/// What to check, and how far.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Fragments, from 1 up to this; `None` is 4 under sequential consistency and 3 otherwise.
+    pub fragments: Option<u32>,
+    /// The k to try, for methods that take one.
+    pub ks: Vec<u32>,
+    /// Memory models.
+    pub memory: Vec<MemoryModel>,
+    /// Progress models under which invocations must end.
+    pub progress: Vec<Progress>,
+    /// Whether invocations must end as lanes of one warp, too.
+    pub simt: bool,
+    /// Helper invocations beside the first fragments.
+    pub helpers: u32,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            fragments: None,
+            ks: vec![1, 2, 3],
+            memory: vec![
+                MemoryModel::Sequential,
+                MemoryModel::Relaxed(super::model::Profile::Vulkan),
+            ],
+            progress: vec![Progress::Obe, Progress::Fair],
+            simt: true,
+            helpers: 0,
+        }
+    }
+}
+
+/// The most fragments that instances have under relaxed memory, however many are asked for: states grow fast.
+pub const MOST_RELAXED: u32 = 4;
+
+/// The most fragments for progress and reconvergence: what a lasso needs shows with three.
+pub const MOST_PROGRESS: u32 = 3;
+
+impl Plan {
+    /// Fragments under a memory model.
+    #[must_use]
+    pub fn fragments_under(&self, memory: MemoryModel) -> u32 {
+        match (self.fragments, memory) {
+            (None, MemoryModel::Sequential) => 4,
+            (None, MemoryModel::Relaxed(_)) => 3,
+            (Some(n), MemoryModel::Sequential) => n,
+            (Some(n), MemoryModel::Relaxed(_)) => n.min(MOST_RELAXED),
+        }
+    }
+}
+
+/// Everything that exploring a method under one memory model gave.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// The method.
+    pub subject: Subject,
+    /// How it was run.
+    pub device: Device,
+    /// The instances explored, smallest first, with what they gave.
+    pub explored: Vec<(Litmus, Explored)>,
+    /// Sizes planned and sizes explored to their end.
+    pub planned: u32,
+    /// The largest size explored.
+    pub size: u32,
+    /// What was explored, if it was no family of instances.
+    pub given: Option<String>,
+    /// Operations that other instances of the method reach: file, line, column.
+    pub reached_elsewhere: BTreeSet<(&'static str, u32, u32)>,
+}
+
+impl Survey {
+    /// Explore all instances up to a size, or up to the first size at which a result is wrong.
+    #[must_use]
+    pub fn new(subject: &Subject, family: &Family, device: Device, limits: &Limits<'_>) -> Self {
+        let mut survey = Self {
+            subject: *subject,
+            device,
+            explored: Vec::new(),
+            planned: family.fragments,
+            size: 0,
+            given: None,
+            reached_elsewhere: BTreeSet::new(),
+        };
+        for n in 1..=family.fragments {
+            let instances = litmus::of_size(subject.contract, family, n);
+            let explore = |litmus: Litmus| {
+                let shader = (subject.make)(&litmus.config());
+                let explored =
+                    exhaustive::explore(&*shader, subject.contract, &litmus, device, limits);
+                (litmus, explored)
+            };
+            let explored: Vec<_> = instances.into_par_iter().map(explore).collect();
+            survey.explored.extend(explored);
+            survey.size = n;
+            if survey.is_wrong() || !survey.is_complete() {
+                break;
+            }
+        }
+        survey
+    }
+
+    /// Every state of every instance was visited.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.explored.iter().all(|(_, e)| e.complete)
+    }
+
+    fn is_wrong(&self) -> bool {
+        self.explored.iter().any(|(_, e)| e.violations.keys().any(|&p| p != Property::RaceFree))
+    }
+
+    /// Distinct states in all.
+    #[must_use]
+    pub fn states(&self) -> u64 {
+        self.explored.iter().map(|(_, e)| e.states as u64).sum()
+    }
+
+    /// Complete interleavings in all, if they could be counted.
+    #[must_use]
+    pub fn executions(&self) -> Option<u64> {
+        let sum = |sum: u128, executions: Option<u128>| sum.checked_add(executions?);
+        let all = self.explored.iter().map(|(_, e)| e.executions);
+        all.fold(Some(0), |total, e| sum(total?, e)).and_then(|n| u64::try_from(n).ok())
+    }
+
+    /// The smallest instance that violates a property: by n, k, and then steps.
+    #[must_use]
+    pub fn violation(&self, property: Property) -> Option<(&Litmus, &Explored, &Found)> {
+        let all = self.explored.iter();
+        let found = all.filter_map(|(l, e)| Some((l, e, e.violations.get(&property)?)));
+        found.min_by_key(|(l, _, f)| (l.fragments.len(), l.k, f.schedule.len()))
+    }
+
+    /// Operations that the instances reached: file, line, column.
+    #[must_use]
+    pub fn reached(&self) -> BTreeSet<(&'static str, u32, u32)> {
+        self.explored.iter().flat_map(|(_, e)| e.sites.iter().copied()).collect()
+    }
+
+    /// Operations of the source that no instance reached.
+    #[must_use]
+    pub fn missed(&self) -> Vec<String> {
+        let mut reached = self.reached();
+        reached.extend(self.reached_elsewhere.iter().copied());
+        let missed = sites::missed(self.subject.contract.source, &reached);
+        missed.into_iter().map(|((line, _), name)| format!("{name} in line {line}")).collect()
+    }
+
+    /// The row of a property.
+    #[must_use]
+    pub fn row(&self, property: Property) -> Row {
+        let mut row = self.blank(Some(property));
+        if let Some((litmus, explored, found)) = self.violation(property) {
+            row.verdict = Verdict::Violated;
+            row.instance = litmus.describe();
+            row.executions = explored.executions.and_then(|n| u64::try_from(n).ok());
+            row.states = explored.states as u64;
+            row.steps = Some(found.schedule.len() as u64);
+            (row.token, row.message) = self.witness(property, litmus, found);
+            if property == Property::OneOutcome {
+                row.outcomes = outcomes(explored);
+            }
+            return row;
+        }
+        let missed = self.missed();
+        row.verdict = Verdict::Unknown;
+        if !self.is_complete() {
+            row.message = "a bound was hit before all interleavings were explored".to_owned();
+        } else if self.subject.contract.source.is_empty() {
+            row.message =
+                "the contract names no source, so nothing says that all of it was reached"
+                    .to_owned();
+        } else if !missed.is_empty() && !self.is_wrong() {
+            row.message = format!("never reached: {}", missed.join(", "));
+        } else {
+            row.verdict = Verdict::Verified;
+        }
+        row
+    }
+
+    /// Every result of the instances with exactly so many fragments, of distinct depths on one pixel, as one row each.
+    #[must_use]
+    pub fn outcomes(
+        subject: &Subject,
+        plan: &Plan,
+        memory: MemoryModel,
+        limits: &Limits<'_>,
+    ) -> Vec<Row> {
+        let n = plan.fragments_under(memory);
+        let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
+        let distinct = |litmus: &Litmus| {
+            let mut depths: Vec<u32> = litmus.fragments().map(|f| f.depth).collect();
+            depths.dedup();
+            depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
+        };
+        let instances = litmus::of_size(subject.contract, &family, n);
+        let device = Device { memory, warp: None };
+        let row = |litmus: Litmus| {
+            let survey = super::scene::survey(subject, &litmus, device, limits);
+            let explored = &survey.explored[0].1;
+            let mut row = survey.blank(None);
+            row.instance = litmus.describe();
+            row.outcomes = outcomes(explored);
+            row.verdict = if explored.complete { Verdict::Verified } else { Verdict::Unknown };
+            row.message = format!(
+                "{}{} results, {} states",
+                if explored.complete { "" } else { "at least " },
+                explored.outcomes.len(),
+                explored.states
+            );
+            row
+        };
+        instances.into_iter().filter(distinct).map(row).collect()
+    }
+
+    fn blank(&self, property: Option<Property>) -> Row {
+        let contract = self.subject.contract;
+        let ks: BTreeSet<u32> = self.explored.iter().filter_map(|(l, _)| l.k).collect();
+        let ks: Vec<String> = ks.iter().map(ToString::to_string).collect();
+        let k = if ks.is_empty() { String::new() } else { format!(", k in {{{}}}", ks.join(", ")) };
+        let patterns = match self.size {
+            n if n > litmus::ALL_PATTERNS => {
+                format!(" (all patterns up to {}, distinct depths beyond)", litmus::ALL_PATTERNS)
+            }
+            _ => ", all patterns".to_owned(),
+        };
+        let what = match &self.given {
+            Some(given) => given.clone(),
+            None => format!("n <= {}{k}{patterns}", self.size),
+        };
+        let bound = format!("{what}, {}", self.device.memory.bound());
+        Row {
+            method: contract.name.to_owned(),
+            property: property.map(|p| p.name().to_owned()),
+            claim: None,
+            verdict: Verdict::Unknown,
+            exhaustive: self.is_complete(),
+            bound,
+            memory: self.device.memory.name().to_owned(),
+            profile: self.device.memory.profile().map(str::to_owned),
+            progress: None,
+            instance: format!("{} instances", self.explored.len()),
+            initial: "arbitrary but for the clear pass".to_owned(),
+            executions: self.executions(),
+            states: self.states(),
+            token: None,
+            steps: None,
+            message: String::new(),
+            outcomes: Vec::new(),
+        }
+    }
+
+    /// The token of a violation, and what it shows, told more fully than the explorer does.
+    fn witness(
+        &self,
+        property: Property,
+        litmus: &Litmus,
+        found: &Found,
+    ) -> (Option<String>, String) {
+        let (subject, device) = (&self.subject, self.device);
+        witness(subject, property, litmus, device, [&found.schedule, &[]], &found.message)
+    }
+}
+
+/// The token of a violation, and what it shows.
+fn witness(
+    subject: &Subject,
+    property: Property,
+    litmus: &Litmus,
+    device: Device,
+    schedule: [&[Move]; 2],
+    message: &str,
+) -> (Option<String>, String) {
+    let shader = (subject.make)(&litmus.config());
+    let moves = schedule.concat();
+    let Ok(run) = run::run(&*shader, subject.contract, litmus, device, &moves) else {
+        return (None, message.to_owned());
+    };
+    let told = run.violations().find(|(p, _)| *p == property).map(|(_, told)| told.clone());
+    let (method, name) = (subject.contract.name, property.name());
+    let token = LitmusToken::new(method, name, litmus, device, schedule, &run);
+    let message = match (property, told, &run.end) {
+        (Property::OneOutcome, _, Some(end)) => {
+            let lists: Vec<String> = end.lists.iter().map(|l| property::keys(l)).collect();
+            format!("{message}; this schedule gives {}", lists.join(" "))
+        }
+        (_, Some(told), _) => told,
+        _ => message.to_owned(),
+    };
+    (Some(Token::Litmus(token).to_string()), message)
+}
+
+/// An instance's results, one line each.
+fn outcomes(explored: &Explored) -> Vec<String> {
+    let line = |lists: &Vec<Vec<u64>>| {
+        lists.iter().map(|list| property::keys(list)).collect::<Vec<_>>().join(" ")
+    };
+    explored.outcomes.keys().map(line).collect()
+}
+
+/// The properties that can be asked of a method under a memory model.
+#[must_use]
+pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
+    let shader = (subject.make)(&crate::scheme::Config {
+        k: subject.contract.default_k.map(|_| 1),
+        generated: 1,
+        max_depth_complexity: 1,
+    });
+    let locks = !shader.layout().locks().is_empty();
+    let races = matches!(memory, MemoryModel::Relaxed(profile) if profile.has_races());
+    let asked = |p: &Property| match p {
+        Property::MutualExclusion => locks,
+        Property::RaceFree => races,
+        Property::Termination => false,
+        _ => true,
+    };
+    Property::ALL.into_iter().filter(asked).collect()
+}
+
+/// Check a method: one row per property and memory model, then termination per progress model.
+#[must_use]
+pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for &memory in &plan.memory {
+        let family = Family {
+            fragments: plan.fragments_under(memory),
+            ks: plan.ks.clone(),
+            helpers: plan.helpers,
+        };
+        let survey = Survey::new(subject, &family, Device { memory, warp: None }, limits);
+        rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
+    }
+    rows.extend(termination(subject, plan, limits));
+    rows
+}
+
+/// Whether every invocation ends: one row per progress model, and one for a warp whose lanes come together.
+///
+/// A method under which no state is met twice ends under every model, and is not explored further.
+#[must_use]
+pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
+    let simt = plan.simt.then_some("simt");
+    let names: Vec<&str> = plan.progress.iter().map(|p| p.name()).chain(simt).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let n = plan.fragments.unwrap_or(MOST_PROGRESS).min(MOST_PROGRESS);
+    let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
+    let device = Device { memory: MemoryModel::Sequential, warp: None };
+    let survey = Survey::new(subject, &family, device, limits);
+    let instances = || survey.explored.iter().map(|(litmus, _)| litmus.clone()).collect();
+    if survey.is_complete() && !survey.explored.iter().any(|(_, e)| e.cyclic) {
+        return names.into_iter().map(|name| survey.ends(name)).collect();
+    }
+    let mut rows = Vec::new();
+    if !plan.progress.is_empty() {
+        let endings = Endings::new(&survey, instances(), None, limits);
+        rows.extend(plan.progress.iter().map(|&p| endings.row(p, p.name())));
+    }
+    if plan.simt {
+        let mut row =
+            Endings::new(&survey, instances(), Some(32), limits).row(Progress::Fair, "simt");
+        let waits = survey.explored.iter().map(|(_, e)| e.bare_waits).max().unwrap_or(0);
+        if waits > 0 && row.verdict == Verdict::Verified {
+            row.verdict = Verdict::Unknown;
+            row.message =
+                format!("{waits} waits stand in no block: where lanes come together is not known");
+        }
+        rows.push(row);
+    }
+    rows
+}
+
+impl Survey {
+    /// The row of a method that never repeats a state.
+    fn ends(&self, progress: &str) -> Row {
+        let mut row = self.blank(Some(Property::Termination));
+        row.verdict = Verdict::Verified;
+        row.progress = Some(progress.to_owned());
+        "no state can be met twice".clone_into(&mut row.message);
+        row
+    }
+}
+
+/// How a survey's instances end.
+struct Endings<'a> {
+    survey: &'a Survey,
+    warp: Option<u32>,
+    all: Vec<(Litmus, Option<Progressed>)>,
+}
+
+impl<'a> Endings<'a> {
+    fn new(
+        survey: &'a Survey,
+        instances: Vec<Litmus>,
+        warp: Option<u32>,
+        limits: &Limits<'_>,
+    ) -> Self {
+        let subject = &survey.subject;
+        let explore = |litmus: Litmus| {
+            let shader = (subject.make)(&litmus.config());
+            let found = progress::explore(&*shader, subject.contract, &litmus, warp, limits);
+            (litmus, found)
+        };
+        Self { survey, warp, all: instances.into_par_iter().map(explore).collect() }
+    }
+
+    fn row(&self, model: Progress, name: &str) -> Row {
+        let device = Device { memory: MemoryModel::Sequential, warp: self.warp };
+        let mut row = self.survey.blank(Some(Property::Termination));
+        let complete = self.all.iter().all(|(_, found)| found.is_some());
+        row.exhaustive = complete;
+        row.progress = Some(name.to_owned());
+        row.executions = None;
+        row.states = self.all.iter().flat_map(|(_, f)| f).map(|f| f.states as u64).sum();
+        match self.lasso(model) {
+            Some((litmus, lasso)) => {
+                row.verdict = Verdict::Violated;
+                row.instance = litmus.describe();
+                row.steps = Some((lasso.stem.len() + lasso.cycle.len()) as u64);
+                let message = told(lasso);
+                let schedule = [lasso.stem.as_slice(), lasso.cycle.as_slice()];
+                let (subject, property) = (&self.survey.subject, Property::Termination);
+                (row.token, row.message) =
+                    witness(subject, property, litmus, device, schedule, &message);
+            }
+            None if complete => row.verdict = Verdict::Verified,
+            None => row.message = "a bound was hit before all states were explored".to_owned(),
+        }
+        row
+    }
+
+    fn lasso(&self, model: Progress) -> Option<(&Litmus, &Lasso)> {
+        let at = Progress::ALL.iter().position(|&p| p == model)?;
+        let found = self.all.iter();
+        let found = found.filter_map(|(l, f)| Some((l, f.as_ref()?.lassos[at].as_ref()?)));
+        found
+            .min_by_key(|(l, lasso)| (l.fragments.len(), l.k, lasso.stem.len() + lasso.cycle.len()))
+    }
+}
+
+/// A lasso in words: A A B (A)^w.
+fn told(lasso: &Lasso) -> String {
+    let word = |moves: &[Move]| {
+        moves.iter().map(|by| run::label(usize::from(by.invocation))).collect::<String>()
+    };
+    if lasso.cycle.is_empty() {
+        return format!("after {} nobody can move any more", word(&lasso.stem));
+    }
+    format!("never ends: {} ({})^w", word(&lasso.stem), word(&lasso.cycle))
+}

@@ -1,0 +1,228 @@
+//! The papers' claims, stated so that a machine can decide them. Verdicts are computed, never written down.
+
+use serde::Serialize;
+
+use super::check::{self, Plan, Survey};
+use super::exhaustive::Limits;
+use super::litmus::Family;
+use super::machine::Device;
+use super::property::Property;
+use super::shader::subject;
+use super::verdict::{Row, Verdict};
+use crate::error::{Error, Result};
+
+/// A published claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Claim {
+    /// C1 to C16.
+    pub id: &'static str,
+    /// Which paper says so.
+    pub paper: &'static str,
+    /// Where.
+    pub section: &'static str,
+    /// What it says, as it is checked here.
+    pub statement: &'static str,
+    /// The methods it is checked on; none where it needs one that does not exist yet.
+    pub methods: &'static [&'static str],
+    /// Which k.
+    #[serde(skip)]
+    ks: Ks,
+    /// The properties that it is made of: it is violated if one of them is.
+    #[serde(skip)]
+    properties: &'static [Property],
+}
+
+/// Which k a claim is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ks {
+    /// Those of the plan.
+    Planned,
+    /// 1, and the number of fragments or more.
+    Ends,
+}
+
+const KPLUS: &str = "Vasilakis, Fudos 2014 (k+-buffer)";
+const IMPORTANCE: &str = "variable k-buffer using importance maps, 2017";
+const HA: &str = "HA-buffer, 2013";
+const CULLING: &str = "occupancy fragment culling, 2014";
+const THICKNESS: &str = "fragment merging with z-thickness";
+
+const RESULT: &[Property] = &[Property::Keeps, Property::Intact];
+
+const fn claim(
+    id: &'static str,
+    paper: &'static str,
+    section: &'static str,
+    statement: &'static str,
+    methods: &'static [&'static str],
+) -> Claim {
+    Claim { id, paper, section, statement, methods, ks: Ks::Planned, properties: RESULT }
+}
+
+/// C1 to C16.
+pub const CLAIMS: &[Claim] = &[
+    claim(
+        "C1",
+        KPLUS,
+        "3.1, 3.2, Algorithms 1 and 3",
+        "after any interleaving a pixel holds exactly its k nearest fragments; the cull test outside of the lock never \
+         loses one",
+        &["kplus-array", "kplus-array@published", "kplus-array@root-first"],
+    ),
+    Claim {
+        properties: &[Property::Keeps, Property::Intact, Property::MutualExclusion],
+        ..claim(
+            "C2",
+            KPLUS,
+            "3.1, Algorithm 1",
+            "a plain store is enough to release the lock: the next holder sees all that was written under it",
+            &["kplus-array", "kplus-array@M1", "kplus-array@published"],
+        )
+    },
+    Claim {
+        ks: Ks::Ends,
+        ..claim(
+            "C3",
+            KPLUS,
+            "3.4",
+            "with k = 1 a pixel holds the nearest fragment (a Z-buffer), with k at least the number of fragments all of \
+             them (an A-buffer), also on the near and far planes and at equal depths",
+            &["kplus-array", "kplus-array@published", "kb", "z-buffer", "ab-array", "ab-ll"],
+        )
+    },
+    Claim {
+        properties: &[Property::Keeps, Property::Intact, Property::OneOutcome],
+        ..claim(
+            "C4",
+            KPLUS,
+            "2, 3",
+            "read-modify-write hazards do not lose, double or tear a fragment: said to fail for kb, and to hold for the \
+             k+-buffer",
+            &["kb", "kplus-array", "kplus-array@published"],
+        )
+    },
+    claim("C5", KPLUS, "2, 4", "kb-mdt32 loses precision, the k+-buffer does not", &[]),
+    claim(
+        "C6",
+        KPLUS,
+        "3.3",
+        "a count pass bounded by k gives kplus-sb exactly the memory it needs",
+        &[],
+    ),
+    claim(
+        "C7",
+        IMPORTANCE,
+        "4",
+        "the sum of k(p) never exceeds the budget, and loses less than a fixed k at equal memory",
+        &[],
+    ),
+    claim(
+        "C8",
+        HA,
+        "2, 3",
+        "table cells only grow; Proposition A holds at every moment; lists come out sorted",
+        &[],
+    ),
+    claim("C9", HA, "2.5", "the age of a record alone identifies its pixel", &[]),
+    claim("C10", HA, "3", "no fragment is lost short of the two stated failures", &[]),
+    claim("C11", HA, "3.3", "early culling never rejects improperly", &[]),
+    claim("C12", HA, "3", "traversal sees all fragments of its pixel", &[]),
+    claim("C13", CULLING, "3", "occupancy culling never removes one of the k nearest", &[]),
+    claim("C14", THICKNESS, "4", "OFM does not depend on the order of arrival", &[]),
+    claim("C15", THICKNESS, "4", "SFM subdivision restores the original visibility", &[]),
+    claim("C16", THICKNESS, "4", "surfaces of equal depth blend without speckle", &[]),
+];
+
+/// The claim of that name.
+///
+/// # Errors
+/// There is none; the message lists those there are.
+pub fn claim_by_id(id: &str) -> Result<&'static Claim> {
+    let found = CLAIMS.iter().find(|claim| claim.id.eq_ignore_ascii_case(id));
+    found.ok_or_else(|| {
+        let ids: Vec<&str> = CLAIMS.iter().map(|claim| claim.id).collect();
+        Error::new("--claim", format!("no claim is called {id:?}; there are {}", ids.join(", ")))
+    })
+}
+
+impl Claim {
+    /// Compute its verdicts: one row per method and memory model. `only`, if it is not empty, picks methods, which need
+    /// not be among the claim's own.
+    ///
+    /// # Errors
+    /// An unknown method.
+    pub fn check(&self, only: &[String], plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
+        let methods: Vec<&str> = if only.is_empty() {
+            self.methods.to_vec()
+        } else {
+            only.iter().map(String::as_str).collect()
+        };
+        if self.methods.is_empty() {
+            return Ok(vec![self.undecided()]);
+        }
+        let mut rows = Vec::new();
+        for method in methods {
+            let subject = subject(method)?;
+            for &memory in &plan.memory {
+                let n = plan.fragments_under(memory);
+                let ks = match self.ks {
+                    Ks::Planned => plan.ks.clone(),
+                    Ks::Ends => vec![1, n],
+                };
+                let family = Family { fragments: n, ks, helpers: plan.helpers };
+                let device = Device { memory, warp: None };
+                let mut survey = Survey::new(&subject, &family, device, limits);
+                if self.ks == Ks::Ends {
+                    // The ends alone do not reach all of a method.
+                    let all = Family { ks: plan.ks.clone(), ..family };
+                    survey.reached_elsewhere =
+                        Survey::new(&subject, &all, device, limits).reached();
+                }
+                rows.push(self.row(&survey, &check::properties(&subject, memory)));
+            }
+        }
+        Ok(rows)
+    }
+
+    /// The worst of the properties' rows; of several violations, the one on the smallest instance.
+    fn row(&self, survey: &Survey, asked: &[Property]) -> Row {
+        let of_claim = self.properties.iter().filter(|p| asked.contains(p));
+        let rows: Vec<Row> = of_claim.map(|&p| survey.row(p)).collect();
+        let size = |row: &Row| row.steps.unwrap_or(u64::MAX);
+        let worst = rows
+            .iter()
+            .max_by(|a, b| a.verdict.cmp(&b.verdict).then(size(b).cmp(&size(a))))
+            .cloned();
+        let Some(mut row) = worst else { return self.undecided() };
+        let race = survey.violation(Property::RaceFree);
+        if let Some((litmus, _, _)) = race {
+            let note = format!("besides, a data race ({})", litmus.describe());
+            row.message =
+                if row.message.is_empty() { note } else { format!("{}; {note}", row.message) };
+        }
+        row.claim = Some(self.id.to_owned());
+        row
+    }
+
+    fn undecided(&self) -> Row {
+        Row {
+            method: String::new(),
+            property: None,
+            claim: Some(self.id.to_owned()),
+            verdict: Verdict::Unknown,
+            exhaustive: false,
+            bound: String::new(),
+            memory: String::new(),
+            profile: None,
+            progress: None,
+            instance: String::new(),
+            initial: String::new(),
+            executions: None,
+            states: 0,
+            token: None,
+            steps: None,
+            message: "needs a method that is not here yet".to_owned(),
+            outcomes: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,486 @@
+//! All interleavings of an instance: breadth-first over hashed states, so that the first way to a violation is a
+//! shortest one. There is no partial-order reduction: it fights hashing, invariants in every state, and lassos.
+//! Under sequential consistency, invocations with equal tasks are put in order, since nobody can tell them apart.
+
+use std::collections::BTreeMap;
+
+use super::forest::NodeId;
+use super::litmus::Litmus;
+use super::machine::{Device, Final, Machine, Moved};
+use super::model::MemoryModel;
+use super::property::{self, Property};
+use super::schedule::{Move, Schedule};
+use super::shader::Shader;
+use super::space::{Space, StateId};
+use crate::memory::asked::Cells;
+use crate::scheme::{Contract, Moment};
+
+/// When to stop.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    /// States per instance.
+    pub states: usize,
+    /// Whether the user has had enough.
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl std::fmt::Debug for Limits<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} states", self.states)
+    }
+}
+
+/// A violation, and the first schedule that shows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// What went wrong.
+    pub message: String,
+    /// The moves up to where it shows.
+    pub schedule: Schedule,
+}
+
+/// What exploring an instance gave.
+#[derive(Clone, Debug)]
+pub struct Explored {
+    /// Every state was visited.
+    pub complete: bool,
+    /// Distinct states.
+    pub states: usize,
+    /// Moves from them.
+    pub transitions: usize,
+    /// Complete interleavings, a repeated state not counted again; `None` if there are cycles, or above 2^127.
+    pub executions: Option<u128>,
+    /// Some invocation can repeat itself: there is a cycle, if only of one step.
+    pub cyclic: bool,
+    /// Every final result, with a shortest schedule to it.
+    pub outcomes: BTreeMap<Vec<Vec<u64>>, Schedule>,
+    /// The first violation of each property.
+    pub violations: BTreeMap<Property, Found>,
+    /// Operations and blocks reached: file, line, column.
+    pub sites: std::collections::BTreeSet<(&'static str, u32, u32)>,
+    /// Waits that stand in no block.
+    pub bare_waits: usize,
+    /// Comparisons of waits with the marks they go back to.
+    pub claims: usize,
+}
+
+/// The graph of states.
+#[derive(Default)]
+pub(super) struct Graph {
+    /// Where each state's edges begin.
+    pub(super) first: Vec<usize>,
+    pub(super) targets: Vec<StateId>,
+    pub(super) movers: Vec<u8>,
+}
+
+impl Graph {
+    pub(super) fn edges(&self, state: usize) -> std::ops::Range<usize> {
+        self.first[state]..self.first[state + 1]
+    }
+
+    pub(super) fn states(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
+}
+
+/// Explore one instance.
+pub(super) fn explore(
+    shader: &dyn Shader,
+    contract: &Contract,
+    litmus: &Litmus,
+    device: Device,
+    limits: &Limits<'_>,
+) -> Explored {
+    let cells = Cells::new(shader.layout(), litmus.pixels);
+    let machine = Machine::new(shader, contract, &cells, litmus, device, false);
+    let groups = match device {
+        Device { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
+        _ => Vec::new(),
+    };
+    Search::new(machine, groups).run(limits)
+}
+
+/// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
+pub(super) fn graph<'a>(
+    shader: &'a dyn Shader,
+    contract: &'a Contract,
+    cells: &'a Cells,
+    litmus: &'a Litmus,
+    device: Device,
+    limits: &Limits<'_>,
+) -> Option<(Graph, Space, Machine<'a>)> {
+    let machine = Machine::new(shader, contract, cells, litmus, device, true);
+    let mut search = Search::new(machine, Vec::new());
+    search.mark_movers = true;
+    let complete = search.expand_all(limits);
+    complete.then_some((search.graph, search.space, search.machine))
+}
+
+/// Runs of invocations, helpers apart, with equal tasks.
+fn groups(machine: &Machine<'_>) -> Vec<std::ops::Range<usize>> {
+    let same = |a: usize, b: usize| {
+        machine.tasks[a] == machine.tasks[b]
+            && machine.litmus.is_helper(a) == machine.litmus.is_helper(b)
+    };
+    let mut groups = Vec::new();
+    let mut begin = 0;
+    for end in 1..=machine.tasks.len() {
+        if end == machine.tasks.len() || !same(begin, end) {
+            if end - begin > 1 {
+                groups.push(begin..end);
+            }
+            begin = end;
+        }
+    }
+    groups
+}
+
+/// Put equal invocations in the order of their nodes. `who` follows: which invocation stands in each place.
+fn canonical(nodes: &mut [NodeId], groups: &[std::ops::Range<usize>], who: &mut [u8]) {
+    for group in groups {
+        for i in group.start + 1..group.end {
+            let mut j = i;
+            while j > group.start && nodes[j - 1] > nodes[j] {
+                nodes.swap(j - 1, j);
+                who.swap(j - 1, j);
+                j -= 1;
+            }
+        }
+    }
+}
+
+struct Search<'a> {
+    machine: Machine<'a>,
+    groups: Vec<std::ops::Range<usize>>,
+    mark_movers: bool,
+    space: Space,
+    graph: Graph,
+    finals: Vec<StateId>,
+    violations: BTreeMap<Property, (StateId, Option<Move>, String)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(machine: Machine<'a>, groups: Vec<std::ops::Range<usize>>) -> Self {
+        Self {
+            machine,
+            groups,
+            mark_movers: false,
+            space: Space::new(),
+            graph: Graph::default(),
+            finals: Vec::new(),
+            violations: BTreeMap::new(),
+        }
+    }
+
+    fn run(mut self, limits: &Limits<'_>) -> Explored {
+        let complete = self.expand_all(limits);
+        let mut outcomes: BTreeMap<Vec<Vec<u64>>, StateId> = BTreeMap::new();
+        for state in std::mem::take(&mut self.finals) {
+            let end = self.finish(state);
+            outcomes.entry(end.lists).or_insert(state);
+        }
+        let one = !property::overflows(self.machine.contract, self.machine.litmus);
+        if one && outcomes.len() > 1 {
+            // Of the first two results, that which is met later is the surprise.
+            let mut states: Vec<StateId> = outcomes.values().copied().collect();
+            states.sort_unstable();
+            let message = format!("{} different results", outcomes.len());
+            self.violations.insert(Property::OneOutcome, (states[1], None, message));
+        }
+        let violations = std::mem::take(&mut self.violations).into_iter();
+        let violations = violations.map(|(property, (state, last, message))| {
+            (property, Found { message, schedule: self.schedule(state, last) })
+        });
+        let mut violations: BTreeMap<Property, Found> = violations.collect();
+        let claims = self.machine.forest.check_claims();
+        if let Err(message) = &claims {
+            let found = Found { message: message.clone(), schedule: Vec::new() };
+            violations.insert(Property::Invariant, found);
+        }
+        let outcomes = outcomes.into_iter().map(|(lists, s)| (lists, self.schedule(s, None)));
+        let outcomes = outcomes.collect();
+        Explored {
+            complete,
+            states: self.space.len(),
+            transitions: self.graph.targets.len(),
+            executions: if complete { executions(&self.graph) } else { None },
+            cyclic: is_cyclic(&self.graph),
+            outcomes,
+            violations,
+            sites: self.machine.forest.sites().clone(),
+            bare_waits: self.machine.forest.bare_waits().len(),
+            claims: claims.unwrap_or(0),
+        }
+    }
+
+    /// Visit every state; whether all were.
+    fn expand_all(&mut self, limits: &Limits<'_>) -> bool {
+        let start = self.machine.initial().to_vec();
+        self.space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
+        let (mut state, mut next) = (0, Vec::new());
+        let mut current = Vec::new();
+        self.graph.first.push(0);
+        while state < self.space.len() {
+            if self.space.len() > limits.states || (state % 1_024 == 0 && (limits.cancelled)()) {
+                return false;
+            }
+            current.clear();
+            current.extend_from_slice(self.space.get(state as StateId));
+            self.expand(state as StateId, &current, &mut next);
+            self.graph.first.push(self.graph.targets.len());
+            state += 1;
+        }
+        !self.machine.is_full()
+    }
+
+    fn expand(&mut self, id: StateId, state: &[u32], next: &mut Vec<u32>) {
+        let count = self.machine.tasks.len();
+        let nodes = &state[..count];
+        self.machine.load(state);
+        let live = self.machine.live(nodes);
+        if live == 0 {
+            self.ended(id, nodes);
+            return;
+        }
+        if self.machine.is_sequential()
+            && let Err(message) = self.machine.invariant(Moment::Always)
+        {
+            self.violation(Property::Invariant, id, None, || message);
+        }
+        self.exclusion(id, nodes);
+        for invocation in (0..count).filter(|i| live & (1 << i) != 0) {
+            let mut alternatives = 1;
+            let mut alternative = 0;
+            while alternative < alternatives {
+                self.machine.load(state);
+                if alternative == 0 {
+                    alternatives = self.machine.alternatives(nodes, invocation);
+                    if alternatives == 0 {
+                        break;
+                    }
+                }
+                let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
+                let moved = self.machine.perform(nodes[invocation], by);
+                self.judge_move(id, by, moved);
+                self.follow(id, state, by, moved, next);
+                alternative += 1;
+            }
+        }
+    }
+
+    /// The state after a move.
+    #[inline]
+    fn follow(&mut self, id: StateId, state: &[u32], by: Move, moved: Moved, next: &mut Vec<u32>) {
+        let (count, head) = (self.machine.tasks.len(), self.machine.head());
+        next.clear();
+        next.extend_from_slice(&state[..head]);
+        next[usize::from(by.invocation)] = moved.node;
+        if self.mark_movers {
+            next[count] |= 1 << by.invocation;
+        }
+        let live = self.machine.live(&next[..count]);
+        self.machine.store(live, next);
+        if !self.groups.is_empty() {
+            canonical(&mut next[..count], &self.groups, &mut [0; 32]);
+        }
+        let (target, _) = self.space.insert(next, id, by);
+        self.graph.targets.push(target);
+        self.graph.movers.push(by.invocation);
+    }
+
+    fn judge_move(&mut self, id: StateId, by: Move, moved: Moved) {
+        if let Some(fault) = moved.fault {
+            self.violation(fault.property(), id, Some(by), || fault.message().to_owned());
+        }
+        if moved.race.is_some() {
+            self.violation(Property::RaceFree, id, Some(by), || "a data race".to_owned());
+        }
+    }
+
+    fn exclusion(&mut self, id: StateId, nodes: &[NodeId]) {
+        let mut held = 0;
+        for invocation in 0..nodes.len() {
+            let own = self.machine.held(nodes, invocation);
+            if held & own != 0 {
+                let message = || "two invocations hold the same lock".to_owned();
+                self.violation(Property::MutualExclusion, id, None, message);
+            }
+            held |= own;
+        }
+    }
+
+    fn ended(&mut self, id: StateId, nodes: &[NodeId]) {
+        if self.mark_movers {
+            return;
+        }
+        self.finals.push(id);
+        if let Err(message) = self.machine.invariant(Moment::Quiet) {
+            self.violation(Property::Invariant, id, None, || message);
+        }
+        let end = self.machine.finish(nodes);
+        for (property, message) in property::judge(self.machine.contract, self.machine.litmus, &end)
+        {
+            self.violation(property, id, None, || message);
+        }
+    }
+
+    fn violation(
+        &mut self,
+        property: Property,
+        state: StateId,
+        last: Option<Move>,
+        message: impl FnOnce() -> String,
+    ) {
+        self.violations.entry(property).or_insert_with(|| (state, last, message()));
+    }
+
+    fn finish(&mut self, state: StateId) -> Final {
+        let words = self.space.get(state).to_vec();
+        self.machine.load(&words);
+        self.machine.finish(&words[..self.machine.tasks.len()])
+    }
+
+    /// The moves to a state and perhaps one more, by the invocations that really make them.
+    fn schedule(&mut self, state: StateId, last: Option<Move>) -> Schedule {
+        let path: Vec<Move> = self.space.path(state).into_iter().chain(last).collect();
+        if self.groups.is_empty() {
+            return path;
+        }
+        let count = self.machine.tasks.len();
+        let mut who: Vec<u8> = (0..count as u8).collect();
+        let mut at = self.space.get(0).to_vec();
+        let mut schedule = Vec::new();
+        for by in path {
+            let place = usize::from(by.invocation);
+            schedule.push(Move { invocation: who[place], ..by });
+            self.machine.load(&at);
+            let moved = self.machine.perform(at[place], by);
+            at[place] = moved.node;
+            let head = self.machine.head();
+            at.truncate(head);
+            let live = self.machine.live(&at[..count]);
+            self.machine.store(live, &mut at);
+            canonical(&mut at[..count], &self.groups, &mut who);
+        }
+        schedule
+    }
+}
+
+/// Whether some way leads from a state back to it.
+fn is_cyclic(graph: &Graph) -> bool {
+    let states = graph.states();
+    let targets = |state: usize| graph.edges(state).map(|e| graph.targets[e] as usize);
+    let mut waiting = vec![0u32; states];
+    (0..states).for_each(|s| targets(s).filter(|&t| t < states).for_each(|t| waiting[t] += 1));
+    let mut ready: Vec<usize> = (0..states).filter(|&s| waiting[s] == 0).collect();
+    let mut done = 0;
+    while let Some(state) = ready.pop() {
+        done += 1;
+        for target in targets(state).filter(|&t| t < states) {
+            waiting[target] -= 1;
+            if waiting[target] == 0 {
+                ready.push(target);
+            }
+        }
+    }
+    done < states
+}
+
+/// The number of paths from the first state to one without successors, steps that change nothing left out; `None` if
+/// there are other cycles, or too many paths.
+fn executions(graph: &Graph) -> Option<u128> {
+    let states = graph.states();
+    let mut waiting = vec![0u32; states];
+    let steps = |state: usize| {
+        graph.edges(state).map(|e| graph.targets[e] as usize).filter(move |&t| t != state)
+    };
+    (0..states).for_each(|s| steps(s).for_each(|t| waiting[t] += 1));
+    let mut paths = vec![0u128; states];
+    let mut ready: Vec<usize> = (0..states).filter(|&s| waiting[s] == 0).collect();
+    *paths.first_mut()? = 1;
+    let (mut done, mut sum) = (0, 0u128);
+    while let Some(state) = ready.pop() {
+        done += 1;
+        let mut ends = true;
+        for target in steps(state) {
+            ends = false;
+            paths[target] = paths[target].checked_add(paths[state])?;
+            waiting[target] -= 1;
+            if waiting[target] == 0 {
+                ready.push(target);
+            }
+        }
+        if ends {
+            sum = sum.checked_add(paths[state])?;
+        }
+    }
+    (done == states && sum < 1 << 127).then_some(sum)
+}
+
+#[cfg(test)]
+impl Graph {
+    /// Of edges (state, mover, target), in the order of their states.
+    pub(super) fn of(states: usize, edges: &[(usize, u8, StateId)]) -> Self {
+        assert!(edges.is_sorted_by_key(|edge| edge.0));
+        Self {
+            first: (0..=states).map(|s| edges.partition_point(|edge| edge.0 < s)).collect(),
+            targets: edges.iter().map(|edge| edge.2).collect(),
+            movers: edges.iter().map(|edge| edge.1).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two invocations, `steps` steps each, that never meet: a grid.
+    fn grid(steps: usize) -> Graph {
+        let side = steps + 1;
+        let mut edges = Vec::new();
+        for state in 0..side * side {
+            if state % side < steps {
+                edges.push((state, 0, state as StateId + 1));
+            }
+            if state / side < steps {
+                edges.push((state, 1, (state + side) as StateId));
+            }
+        }
+        Graph::of(side * side, &edges)
+    }
+
+    /// Interleavings of two sequences: 2n over n.
+    #[test]
+    fn executions_of_a_grid_are_binomial() {
+        for (steps, expected) in [(0, 1), (1, 2), (2, 6), (3, 20), (10, 184_756)] {
+            assert_eq!(executions(&grid(steps)), Some(expected), "{steps} steps");
+            assert!(!is_cyclic(&grid(steps)));
+        }
+        assert_eq!(executions(&grid(62)), Some(1_520_803_477_811_874_490_019_821_888_415_218_656));
+        assert_eq!(executions(&grid(70)), None, "more than fits");
+    }
+
+    #[test]
+    fn executions_end_in_any_state_without_a_step() {
+        let two_ends = Graph::of(4, &[(0, 0, 1), (0, 1, 2), (1, 1, 3), (2, 0, 3), (2, 0, 1)]);
+        assert_eq!(executions(&two_ends), Some(3));
+        let twice = Graph::of(2, &[(0, 0, 1), (0, 0, 1)]);
+        assert_eq!(executions(&twice), Some(2), "by two values of one read");
+    }
+
+    /// A failed attempt that leads back at once is not counted; a longer way round makes executions endless.
+    #[test]
+    fn cycles_are_seen() {
+        let waits = Graph::of(2, &[(0, 0, 0), (0, 1, 1)]);
+        assert_eq!((executions(&waits), is_cyclic(&waits)), (Some(1), true));
+        let round = Graph::of(3, &[(0, 0, 1), (1, 0, 0), (1, 1, 2)]);
+        assert_eq!((executions(&round), is_cyclic(&round)), (None, true));
+    }
+
+    #[test]
+    fn equal_invocations_are_put_in_order() {
+        let (mut nodes, mut who) = ([5, 9, 3, 4, 2, 7], [0, 1, 2, 3, 4, 5]);
+        canonical(&mut nodes, &[1..4, 4..6], &mut who);
+        assert_eq!((nodes, who), ([5, 3, 4, 9, 2, 7], [0, 2, 3, 1, 4, 5]));
+    }
+}

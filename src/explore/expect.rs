@@ -1,0 +1,107 @@
+//! Expected verdicts, for other people's continuous integration: a file says what must come out, and everything else
+//! that is violated is a surprise.
+//!
+//! ```toml
+//! [[expect]]
+//! method = "kb"
+//! property = "keeps"       # or: claim = "C4"
+//! memory = "sc"            # left out: any
+//! verdict = "violated"
+//! ```
+
+use serde::Deserialize;
+
+use super::verdict::{Row, Verdict};
+use crate::error::{Error, Result};
+
+/// One expectation. Fields that are left out match anything.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expectation {
+    method: Option<String>,
+    property: Option<String>,
+    claim: Option<String>,
+    memory: Option<String>,
+    profile: Option<String>,
+    progress: Option<String>,
+    verdict: Verdict,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    expect: Vec<Expectation>,
+}
+
+/// Read expectations; `place` is the file, for messages.
+///
+/// # Errors
+/// Not TOML of that form, or no expectation at all.
+pub fn parse(place: &str, text: &str) -> Result<Vec<Expectation>> {
+    let file: File = toml::from_str(text).map_err(|error| {
+        let message = error.message().to_owned();
+        let line = error.span().map(|span| text[..span.start].lines().count().max(1));
+        let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
+        Error::new(place, format!("{line}{message}"))
+    })?;
+    if file.expect.is_empty() {
+        return Err(Error::new(
+            place,
+            "expect: there is no expectation; give at least one [[expect]]",
+        ));
+    }
+    Ok(file.expect)
+}
+
+impl Expectation {
+    fn matches(&self, row: &Row) -> bool {
+        let same = |wanted: &Option<String>, found: Option<&str>| {
+            wanted.as_deref().is_none_or(|wanted| Some(wanted) == found)
+        };
+        same(&self.method, Some(&row.method))
+            && same(&self.property, row.property.as_deref())
+            && same(&self.claim, row.claim.as_deref())
+            && same(&self.memory, Some(&row.memory))
+            && same(&self.profile, row.profile.as_deref())
+            && same(&self.progress, row.progress.as_deref())
+    }
+
+    fn describe(&self) -> String {
+        let fields = [
+            &self.method,
+            &self.property,
+            &self.claim,
+            &self.memory,
+            &self.profile,
+            &self.progress,
+        ];
+        fields.into_iter().flatten().cloned().collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// What is not as expected: rows with another verdict than an expectation that matches them, expectations that match
+/// nothing, and violations that nobody expected. The first expectation that matches a row counts.
+#[must_use]
+pub fn surprises(expected: &[Expectation], rows: &[Row]) -> Vec<String> {
+    let mut found = Vec::new();
+    for row in rows {
+        let what = row.property.iter().chain(&row.claim).cloned().collect::<Vec<_>>().join(" ");
+        let under = [Some(row.memory.as_str()), row.profile.as_deref(), row.progress.as_deref()];
+        let under: Vec<&str> = under.into_iter().flatten().collect();
+        let place = format!("{} {what} ({})", row.method, under.join(", "));
+        match expected.iter().find(|e| e.matches(row)) {
+            Some(e) if e.verdict != row.verdict => {
+                let (is, wanted) = (row.verdict.name(), e.verdict.name());
+                found.push(format!("{place} is {is}, but {wanted} was expected"));
+            }
+            None if row.verdict == Verdict::Violated => {
+                found.push(format!("{place} is violated, and nothing was expected of it"));
+            }
+            _ => {}
+        }
+    }
+    for e in expected.iter().filter(|e| !rows.iter().any(|row| e.matches(row))) {
+        found.push(format!("nothing was checked that fits the expectation '{}'", e.describe()));
+    }
+    found
+}

@@ -1,0 +1,394 @@
+//! Decision trees: what each invocation does next, along every sequence of answers met so far.
+//!
+//! An invocation is a deterministic function of its task and of its operations' results. A node of its tree stands for
+//! the operations completed so far with their results; its label is the operation that comes next, or how it ended. A
+//! node is made once, by following a fresh invocation along its own answers, so exploring needs neither to copy nor to
+//! hash a future. Ended invocations are one node per outcome. `spin(mark)` leads back to the mark's node; that claims
+//! that what follows is the same, and [`Forest::check_claims`] compares.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::shader::{Answer, Ended, Next, Shader, Task};
+use crate::memory::Update;
+use crate::memory::asked::{Action, Cells, OpenBlock, Request, Site};
+
+/// Index of a node.
+pub(super) type NodeId = u32;
+
+/// What an invocation does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// An operation on a cell.
+    Operation(u32, Action),
+    /// Leave a block.
+    Merge,
+    /// It has ended; index of the outcome.
+    Ended(u32),
+}
+
+/// A fault that taking this step commits, whatever memory holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fault {
+    /// The word does not exist.
+    Outside,
+    /// A lock is freed that the invocation does not hold.
+    ForeignLock,
+    /// The invocation has ended and still holds a lock.
+    KeepsLock,
+    /// The invocation waits before it has done anything: for ever.
+    WaitsForNothing,
+}
+
+#[derive(Debug)]
+pub(super) struct Node {
+    pub(super) step: Step,
+    /// From where in the source the step is taken.
+    pub(super) site: Option<Site>,
+    /// Locks held before the step, one bit each.
+    pub(super) held: u32,
+    pub(super) fault: Option<Fault>,
+    /// Index of the open blocks.
+    pub(super) blocks: u32,
+    /// Whether this node repeats an attempt.
+    pub(super) waits: bool,
+    children: Vec<(u64, NodeId)>,
+    parent: Option<(NodeId, u64)>,
+    task: u32,
+}
+
+/// The trees of one instance's tasks.
+pub(super) struct Forest<'a> {
+    shader: &'a dyn Shader,
+    cells: &'a Cells,
+    lanes: bool,
+    locks: Vec<u32>,
+    tasks: Vec<Task>,
+    roots: Vec<NodeId>,
+    nodes: Vec<Node>,
+    ends: Vec<(Ended, NodeId)>,
+    stacks: Vec<Vec<OpenBlock>>,
+    /// Edges that a claim made: (parent, answer).
+    claims: Vec<(NodeId, u64)>,
+    /// Operations and blocks that were reached.
+    sites: BTreeSet<(&'static str, u32, u32)>,
+    /// Where invocations wait outside of any block.
+    bare_waits: BTreeSet<(&'static str, u32)>,
+}
+
+impl<'a> Forest<'a> {
+    pub(super) fn new(shader: &'a dyn Shader, cells: &'a Cells, pixels: u32, lanes: bool) -> Self {
+        let words = shader.layout().locks();
+        let of_pixel = |p| words.iter().map(move |&word| cells.pixel_word(p, word));
+        Self {
+            shader,
+            cells,
+            lanes,
+            locks: (0..pixels).flat_map(of_pixel).take(32).collect(),
+            tasks: Vec::new(),
+            roots: Vec::new(),
+            nodes: Vec::new(),
+            ends: Vec::new(),
+            stacks: vec![Vec::new()],
+            claims: Vec::new(),
+            sites: BTreeSet::new(),
+            bare_waits: BTreeSet::new(),
+        }
+    }
+
+    /// The node at which an invocation of this task begins.
+    pub(super) fn root(&mut self, task: Task) -> NodeId {
+        if let Some(known) = self.tasks.iter().position(|&t| t == task) {
+            return self.roots[known];
+        }
+        self.tasks.push(task);
+        let root = self.grow(None, self.tasks.len() as u32 - 1);
+        self.roots.push(root);
+        root
+    }
+
+    #[inline]
+    pub(super) fn node(&self, node: NodeId) -> &Node {
+        &self.nodes[node as usize]
+    }
+
+    pub(super) fn task(&self, node: NodeId) -> Task {
+        self.tasks[self.node(node).task as usize]
+    }
+
+    pub(super) fn ended(&self, end: u32) -> &Ended {
+        &self.ends[end as usize].0
+    }
+
+    pub(super) fn stack(&self, node: NodeId) -> &[OpenBlock] {
+        &self.stacks[self.node(node).blocks as usize]
+    }
+
+    pub(super) fn cells(&self) -> &'a Cells {
+        self.cells
+    }
+
+    /// Operations and blocks reached: file, line, column.
+    pub(super) fn sites(&self) -> &BTreeSet<(&'static str, u32, u32)> {
+        &self.sites
+    }
+
+    /// Waits that stand in no block: file and line.
+    pub(super) fn bare_waits(&self) -> &BTreeSet<(&'static str, u32)> {
+        &self.bare_waits
+    }
+
+    /// The node after a node's step gave `answer`.
+    #[inline]
+    pub(super) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
+        let children = &self.nodes[node as usize].children;
+        match children.iter().find(|c| c.0 == answer) {
+            Some(&(_, child)) => child,
+            None => {
+                let task = self.node(node).task;
+                let child = self.grow(Some((node, answer)), task);
+                self.nodes[node as usize].children.push((answer, child));
+                child
+            }
+        }
+    }
+
+    /// The answers that lead to a node.
+    fn answers(&self, parent: Option<(NodeId, u64)>) -> Vec<Answer> {
+        let mut answers = Vec::new();
+        let mut at = parent;
+        while let Some((node, answer)) = at {
+            answers.push(Answer::Value(answer));
+            at = self.node(node).parent;
+        }
+        answers.reverse();
+        answers
+    }
+
+    fn grow(&mut self, parent: Option<(NodeId, u64)>, task: u32) -> NodeId {
+        let answers = self.answers(parent);
+        let standing =
+            self.shader.follow(self.cells, self.tasks[task as usize], &answers, self.lanes);
+        for site in standing.opened {
+            self.reached(site);
+        }
+        let (step, site) = match standing.next {
+            Next::Back(_, site) if parent.is_none() => (Step::Merge, Some(site)),
+            Next::Back(depth, site) => {
+                self.reached(site);
+                if standing.blocks.is_empty() {
+                    self.bare_waits.insert((site.file(), site.line()));
+                }
+                return self.back(parent, depth);
+            }
+            Next::Ended(ended) => match self.end(parent, task, ended) {
+                Ok(known) => return known,
+                Err(new) => (Step::Ended(new), None),
+            },
+            Next::Ask(Request::Operation { cell, action, site }) => {
+                self.reached(site);
+                (Step::Operation(cell, action), Some(site))
+            }
+            Next::Ask(Request::Merge(site)) => (Step::Merge, Some(site)),
+            Next::Ask(Request::Spin(..)) => unreachable!("waits are followed back"),
+        };
+        let held = parent.map_or(0, |(node, answer)| self.held_after(node, answer));
+        let fault = self.fault(self.tasks[task as usize], step, held);
+        let blocks = self.intern(standing.blocks);
+        let id = self.nodes.len() as NodeId;
+        let (children, waits) = (Vec::new(), false);
+        self.nodes.push(Node { step, site, held, fault, blocks, waits, children, parent, task });
+        id
+    }
+
+    fn reached(&mut self, site: Site) {
+        self.sites.insert((site.file(), site.line(), site.column()));
+    }
+
+    /// The node that a wait goes back to.
+    fn back(&mut self, parent: Option<(NodeId, u64)>, depth: u32) -> NodeId {
+        let Some((from, answer)) = parent else { return 0 };
+        self.claims.push((from, answer));
+        let mut path = vec![from];
+        while let Some((node, _)) = self.node(path[path.len() - 1]).parent {
+            path.push(node);
+        }
+        path.reverse();
+        let target = path[(depth as usize).min(path.len() - 1)];
+        self.nodes[target as usize].waits = true;
+        target
+    }
+
+    /// The one node of an outcome, or the index for a new one.
+    fn end(
+        &mut self,
+        parent: Option<(NodeId, u64)>,
+        task: u32,
+        ended: Ended,
+    ) -> std::result::Result<NodeId, u32> {
+        let held = parent.map_or(0, |(node, answer)| self.held_after(node, answer));
+        let same = |(known, id): &&(Ended, NodeId)| {
+            let node = self.node(*id);
+            *known == ended && node.task == task && node.held == held
+        };
+        if let Some((_, id)) = self.ends.iter().find(same) {
+            return Ok(*id);
+        }
+        self.ends.push((ended, self.nodes.len() as NodeId));
+        Err(self.ends.len() as u32 - 1)
+    }
+
+    fn held_after(&self, node: NodeId, answer: u64) -> u32 {
+        let node = self.node(node);
+        let Step::Operation(cell, action) = node.step else { return node.held };
+        let Some(lock) = self.locks.iter().position(|&l| l == cell) else { return node.held };
+        let bit = 1 << lock;
+        match action {
+            Action::Read(_) => node.held,
+            Action::Write(0, _) | Action::Update(Update::Exchange(0) | Update::And(0), _) => {
+                node.held & !bit
+            }
+            Action::Write(..) => node.held,
+            Action::Update(update, _) if answer == 0 && update.apply(0) != 0 => node.held | bit,
+            Action::Update(update, _) if answer != 0 && update.apply(answer) == 0 => {
+                node.held & !bit
+            }
+            Action::Update(..) => node.held,
+        }
+    }
+
+    fn fault(&self, task: Task, step: Step, held: u32) -> Option<Fault> {
+        let (cell, action) = match step {
+            Step::Operation(cell, action) => (cell, action),
+            Step::Merge if !self.lanes => return Some(Fault::WaitsForNothing),
+            Step::Ended(_) => return (held != 0).then_some(Fault::KeepsLock),
+            Step::Merge => return None,
+        };
+        if cell == Cells::OUTSIDE {
+            return Some(Fault::Outside);
+        }
+        // The clear pass frees locks, too: there nobody holds one.
+        if !matches!(task, Task::Store(_)) {
+            return None;
+        }
+        let lock = self.locks.iter().position(|&l| l == cell)?;
+        let frees = matches!(
+            action,
+            Action::Write(0, _) | Action::Update(Update::Exchange(0) | Update::And(0), _)
+        );
+        (frees && held & (1 << lock) == 0).then_some(Fault::ForeignLock)
+    }
+
+    fn intern(&mut self, stack: Vec<OpenBlock>) -> u32 {
+        match self.stacks.iter().position(|known| *known == stack) {
+            Some(known) => known as u32,
+            None => {
+                self.stacks.push(stack);
+                self.stacks.len() as u32 - 1
+            }
+        }
+    }
+
+    /// How many comparisons [`Self::check_claims`] makes at most.
+    const MOST_COMPARISONS: usize = 20_000;
+
+    /// How often a wait is repeated, to find what counts its attempts.
+    const ROUNDS: usize = 16;
+
+    /// Follow every edge that a wait closed on the unmerged invocation, through all that was explored below its
+    /// target, and round and round the wait itself: what comes next must be the same. The number of comparisons, and
+    /// the first that failed.
+    pub(super) fn check_claims(&self) -> std::result::Result<usize, String> {
+        let mut compared = 0;
+        let mut below: BTreeMap<NodeId, Vec<(NodeId, Vec<Answer>)>> = BTreeMap::new();
+        for &(from, answer) in &self.claims {
+            let Some(&(_, target)) = self.node(from).children.iter().find(|c| c.0 == answer) else {
+                continue;
+            };
+            let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
+            let mut twin = self.answers(Some((from, answer)));
+            twin.push(Answer::Again);
+            for (node, path) in paths {
+                if compared == Self::MOST_COMPARISONS {
+                    return Ok(compared);
+                }
+                compared += 1;
+                let answers: Vec<Answer> = twin.iter().chain(path.iter()).copied().collect();
+                let task = self.task(from);
+                let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+                if !self.agrees(*node, &next) {
+                    return Err(self.lie(from));
+                }
+            }
+            compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
+        }
+        Ok(compared)
+    }
+
+    /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were.
+    fn go_round(&self, from: NodeId, answer: u64, target: NodeId) -> Option<usize> {
+        let task = self.task(from);
+        let mut answers = self.answers(Some((from, answer)));
+        let round = answers.split_off(self.answers(self.node(target).parent).len());
+        let mut nodes = vec![from];
+        while let Some(&last) = nodes.last()
+            && last != target
+        {
+            nodes.push(self.node(last).parent?.0);
+        }
+        nodes.reverse();
+        answers.extend(&round);
+        for _ in 0..Self::ROUNDS {
+            answers.push(Answer::Again);
+            for (&node, &result) in nodes.iter().zip(&round) {
+                let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+                if !self.agrees(node, &next) {
+                    return None;
+                }
+                answers.push(result);
+            }
+            let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+            if !matches!(next, Next::Back(..)) {
+                return None;
+            }
+        }
+        Some(Self::ROUNDS * (round.len() + 1))
+    }
+
+    fn lie(&self, from: NodeId) -> String {
+        let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
+        format!(
+            "after the wait that follows {site}, the invocation does not do what it did before: a mark claims more \
+             than is true"
+        )
+    }
+
+    /// Every node below one, with the answers that lead there, the node itself first.
+    fn paths_below(&self, target: NodeId) -> Vec<(NodeId, Vec<Answer>)> {
+        let mut found = vec![(target, Vec::new())];
+        let mut at = 0;
+        while at < found.len() && found.len() < Self::MOST_COMPARISONS {
+            let (node, path) = found[at].clone();
+            for &(answer, child) in &self.node(node).children {
+                let own = self.node(child).parent == Some((node, answer));
+                if own && !matches!(self.node(child).step, Step::Ended(_)) {
+                    let mut path = path.clone();
+                    path.push(Answer::Value(answer));
+                    found.push((child, path));
+                }
+            }
+            at += 1;
+        }
+        found
+    }
+
+    fn agrees(&self, node: NodeId, next: &Next) -> bool {
+        match (self.node(node).step, next) {
+            (
+                Step::Operation(cell, action),
+                Next::Ask(Request::Operation { cell: c, action: a, .. }),
+            ) => (cell, action) == (*c, *a),
+            (Step::Merge, Next::Ask(Request::Merge(site))) => self.node(node).site == Some(*site),
+            _ => false,
+        }
+    }
+}

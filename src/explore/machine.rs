@@ -1,0 +1,312 @@
+//! An instance made ready to run: its invocations' trees, its memory after the clear pass, and what one move does.
+//!
+//! A state is encoded as: a node per invocation; for progress, a word with a bit for each that has moved; the model's
+//! memory.
+
+use std::collections::BTreeMap;
+
+use super::forest::{Fault, Forest, NodeId, Step};
+use super::litmus::Litmus;
+use super::model::{self, Initial, MemoryModel, Model, Race};
+use super::schedule::Move;
+use super::shader::{Ended, Shader, Task};
+use crate::memory::asked::{Action, Cells};
+use crate::memory::{Access, Order, Snapshot};
+use crate::resolve::sort;
+use crate::scheme::{Contract, Moment, Outcome};
+
+/// The most invocations that a machine runs at once.
+pub(super) const MOST_INVOCATIONS: usize = 32;
+
+/// How invocations are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Device {
+    /// What memory does.
+    pub memory: MemoryModel,
+    /// Lanes of a warp that come together after blocks; `None` if invocations are independent.
+    pub warp: Option<u32>,
+}
+
+/// What a helper invocation's update may return instead of a value: 0, 1, all ones, or the word.
+const HELPER_RESULTS: usize = 4;
+
+/// An instance, ready to run.
+pub(super) struct Machine<'a> {
+    pub(super) litmus: &'a Litmus,
+    pub(super) contract: &'a Contract,
+    pub(super) forest: Forest<'a>,
+    pub(super) tasks: Vec<Task>,
+    shader: &'a dyn Shader,
+    cells: &'a Cells,
+    device: Device,
+    model: Box<dyn Model>,
+    after: Vec<Task>,
+    /// Words before the model's: the nodes, and the word of who has moved.
+    head: usize,
+    initial: Vec<u32>,
+}
+
+/// What a move did.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moved {
+    /// Where the invocation stands now.
+    pub(super) node: NodeId,
+    /// The value read, or 0.
+    pub(super) result: u64,
+    pub(super) fault: Option<Fault>,
+    pub(super) race: Option<Race>,
+}
+
+/// How a finished run ended.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Final {
+    /// Every pixel's fragments, in canonical order.
+    pub lists: Vec<Vec<u64>>,
+    /// What became of each fragment, as far as its invocation knows.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl<'a> Machine<'a> {
+    pub(super) fn new(
+        shader: &'a dyn Shader,
+        contract: &'a Contract,
+        cells: &'a Cells,
+        litmus: &'a Litmus,
+        device: Device,
+        progress: bool,
+    ) -> Self {
+        let [before, tasks, after] = litmus.passes(contract);
+        assert!(tasks.len() <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
+        let mut forest = Forest::new(shader, cells, litmus.pixels, device.warp.is_some());
+        let cleared = clear(&mut forest, &before, cells.count() as usize);
+        let candidates = litmus.candidates();
+        let model = model::make(device.memory, cells, &cleared, &candidates, tasks.len());
+        let mut initial: Vec<u32> = tasks.iter().map(|&task| forest.root(task)).collect();
+        let head = initial.len() + usize::from(progress);
+        initial.resize(head, 0);
+        model.store(bits(tasks.len()), &mut initial);
+        Self { litmus, contract, forest, tasks, shader, cells, device, model, after, head, initial }
+    }
+
+    pub(super) fn initial(&self) -> &[u32] {
+        &self.initial
+    }
+
+    /// Words have one value at a time.
+    pub(super) fn is_sequential(&self) -> bool {
+        self.device.memory == MemoryModel::Sequential
+    }
+
+    /// Some operation was left out for want of room.
+    pub(super) fn is_full(&self) -> bool {
+        self.model.full()
+    }
+
+    pub(super) fn head(&self) -> usize {
+        self.head
+    }
+
+    pub(super) fn cells(&self) -> &Cells {
+        self.cells
+    }
+
+    /// Bits of the invocations that have not ended.
+    pub(super) fn live(&self, nodes: &[NodeId]) -> u32 {
+        let ended = |&node: &NodeId| matches!(self.forest.node(node).step, Step::Ended(_));
+        let live = nodes.iter().enumerate().filter(|(_, node)| !ended(node));
+        live.fold(0, |bits, (i, _)| bits | 1 << i)
+    }
+
+    pub(super) fn load(&mut self, state: &[u32]) {
+        self.model.load(&state[self.head..]);
+    }
+
+    /// In how many ways the invocation can move from the loaded state; 0 if it cannot.
+    pub(super) fn alternatives(&mut self, nodes: &[NodeId], invocation: usize) -> usize {
+        match self.forest.node(nodes[invocation]).step {
+            Step::Ended(_) => 0,
+            Step::Merge => usize::from(self.may_merge(nodes, invocation)),
+            Step::Operation(_, Action::Update(..)) if self.litmus.is_helper(invocation) => {
+                HELPER_RESULTS
+            }
+            Step::Operation(_, Action::Write(..)) if self.litmus.is_helper(invocation) => 1,
+            Step::Operation(cell, action) => self.model.alternatives(invocation, cell, action),
+        }
+    }
+
+    /// The locks that an invocation holds, one bit each. A helper holds none, whatever its updates returned.
+    pub(super) fn held(&self, nodes: &[NodeId], invocation: usize) -> u32 {
+        let helps = self.litmus.is_helper(invocation);
+        if helps { 0 } else { self.forest.node(nodes[invocation]).held }
+    }
+
+    /// Move an invocation; the model's state changes with it.
+    pub(super) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
+        let (fault, step) = (self.forest.node(node).fault, self.forest.node(node).step);
+        let invocation = usize::from(by.invocation);
+        let (mut result, mut race) = (0, None);
+        if let Step::Operation(cell, action) = step {
+            if self.litmus.is_helper(invocation) {
+                result = self.helper(invocation, cell, action, by.alternative);
+            } else {
+                result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
+                // What a helper reads has no effect, so that it is no race either.
+                race = self.model.race().filter(|race| !self.litmus.is_helper(race.other));
+            }
+        }
+        let node = self.forest.child(node, result);
+        let fault = fault.or_else(|| match self.forest.node(node).step {
+            Step::Ended(_) => self.forest.node(node).fault,
+            _ => None,
+        });
+        // What a helper does to a lock has no effect, and what it believes to hold it does not.
+        let fault = fault.filter(|f| *f == Fault::Outside || !self.litmus.is_helper(invocation));
+        Moved { node, result, fault, race }
+    }
+
+    /// A helper's writes have no effect, and its updates return anything.
+    fn helper(&mut self, invocation: usize, cell: u32, action: Action, alternative: u16) -> u64 {
+        if cell == Cells::OUTSIDE {
+            return 0;
+        }
+        let width = self.cells.name(cell).bits;
+        match (action, alternative) {
+            (Action::Write(..), _) | (Action::Update(..), 0) => 0,
+            (Action::Update(..), 1) => 1,
+            (Action::Update(..), 2) => model::cut(u64::MAX, width),
+            (Action::Update(..), _) => self.model.settled(cell).unwrap_or(0),
+            (Action::Read(_), _) => {
+                let read = Action::Read(Access::Atomic(Order::Relaxed));
+                self.model.perform(invocation, cell, read, usize::from(alternative))
+            }
+        }
+    }
+
+    /// Encode the loaded memory behind a head.
+    pub(super) fn store(&self, live: u32, into: &mut Vec<u32>) {
+        self.model.store(live, into);
+    }
+
+    /// A lane may leave a block when every unfinished lane of its warp that is in the body of the same parent stands
+    /// at the same merge; lanes at the parent's own merge do not count.
+    fn may_merge(&self, nodes: &[NodeId], invocation: usize) -> bool {
+        let Some(warp) = self.device.warp else { return true };
+        let own = self.forest.stack(nodes[invocation]);
+        let parent = &own[..own.len() - 1];
+        let lanes = warp as usize;
+        let first = invocation / lanes * lanes;
+        let others = (first..(first + lanes).min(nodes.len())).filter(|&i| i != invocation);
+        others.into_iter().all(|other| {
+            let node = self.forest.node(nodes[other]);
+            let (stack, merging) = (self.forest.stack(nodes[other]), node.step == Step::Merge);
+            let ended = matches!(node.step, Step::Ended(_));
+            let outside = !stack.starts_with(parent) || (merging && stack == parent);
+            ended || outside || (merging && stack == own)
+        })
+    }
+
+    /// What the method says of itself in the loaded state.
+    pub(super) fn invariant(&self, moment: Moment) -> Result<(), String> {
+        let value = |cell: u32| self.model.settled(cell);
+        let words = Snapshot { cells: self.cells, value: &value };
+        (0..self.litmus.pixels).try_for_each(|p| self.shader.invariant(&words, p, moment))
+    }
+
+    /// How the loaded state ends, all invocations having ended: the lists after resolve.
+    pub(super) fn finish(&mut self, nodes: &[NodeId]) -> Final {
+        let mut lists = vec![Vec::new(); self.litmus.pixels as usize];
+        let mut outcomes = Vec::new();
+        let mut found = |ended: &Ended| match ended {
+            Ended::Resolved(pixel, keys) => {
+                keys.clone_into(&mut lists[*pixel as usize]);
+                sort::canonical(&mut lists[*pixel as usize]);
+            }
+            Ended::Stored(outcome) => outcomes.push(*outcome),
+            Ended::Cleared => {}
+        };
+        for (invocation, &node) in nodes.iter().enumerate() {
+            if let Step::Ended(end) = self.forest.node(node).step
+                && !self.litmus.is_helper(invocation)
+            {
+                found(self.forest.ended(end));
+            }
+        }
+        let mut memory = Overlay { written: BTreeMap::new() };
+        for task in self.after.clone() {
+            let node = {
+                let model = &self.model;
+                let garbage = |cell| model.settled(cell).unwrap_or(u64::MAX);
+                memory.run(&mut self.forest, task, &garbage, self.cells)
+            };
+            if let Step::Ended(end) = self.forest.node(node).step {
+                found(self.forest.ended(end));
+            }
+        }
+        Final { lists, outcomes }
+    }
+}
+
+/// Bits of the first `n` invocations.
+fn bits(n: usize) -> u32 {
+    if n >= 32 { u32::MAX } else { (1 << n) - 1 }
+}
+
+/// Words written by invocations that run one after another.
+struct Overlay {
+    written: BTreeMap<u32, u64>,
+}
+
+impl Overlay {
+    /// The most operations of one such invocation: a list that is a ring must not hold us up.
+    const MOST_STEPS: usize = 4_096;
+
+    /// Run a task to its end on words that `below` has where none was written; the node it reached.
+    fn run(
+        &mut self,
+        forest: &mut Forest<'_>,
+        task: Task,
+        below: &dyn Fn(u32) -> u64,
+        cells: &Cells,
+    ) -> NodeId {
+        let mut node = forest.root(task);
+        for _ in 0..Self::MOST_STEPS {
+            let result = match forest.node(node).step {
+                Step::Ended(_) => break,
+                Step::Merge | Step::Operation(Cells::OUTSIDE, _) => 0,
+                Step::Operation(cell, action) => {
+                    let bits = cells.name(cell).bits;
+                    let old = self.written.get(&cell).copied();
+                    let old = || old.unwrap_or_else(|| model::cut(below(cell), bits));
+                    match action {
+                        Action::Read(_) => old(),
+                        Action::Write(value, _) => {
+                            self.written.insert(cell, value);
+                            0
+                        }
+                        Action::Update(update, _) => {
+                            let old = old();
+                            self.written.insert(cell, model::cut(update.apply(old), bits));
+                            old
+                        }
+                    }
+                }
+            };
+            node = forest.child(node, result);
+        }
+        node
+    }
+}
+
+/// The words after the clear pass.
+fn clear(forest: &mut Forest<'_>, tasks: &[Task], count: usize) -> Vec<Initial> {
+    let mut memory = Overlay { written: BTreeMap::new() };
+    for &task in tasks {
+        let cells = forest.cells();
+        memory.run(forest, task, &|_| 0, cells);
+    }
+    let initial = |cell: u32| match memory.written.get(&cell) {
+        Some(&value) => Initial::Written(value),
+        None => Initial::Unwritten,
+    };
+    (0..count as u32).map(initial).collect()
+}

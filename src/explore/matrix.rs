@@ -1,0 +1,264 @@
+//! The kill matrix: which check catches which built-in fault.
+//!
+//! Checks are, in this order: results and invariants under sequential consistency, termination, the same results under
+//! relaxed memory, data races. A fault that none of them catches and whose outcomes are, on every instance, exactly
+//! those of the form without it is *equivalent*, within the bound; any other survives, and that is a defect of the
+//! checks.
+
+use serde::Serialize;
+
+use super::check::{self, Plan, Survey};
+use super::exhaustive::Limits;
+use super::litmus::Family;
+use super::machine::Device;
+use super::model::{MemoryModel, Profile};
+use super::progress::Progress;
+use super::property::Property;
+use super::shader::{Subject, subject};
+use super::verdict::Verdict;
+use crate::error::{Error, Result};
+use crate::scheme::contract::{Contract, Form};
+use crate::scheme::contracts;
+use crate::scheme::mutation::MUTATIONS;
+
+/// What a check made of a variant.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Kill {
+    /// The check: `sc`, `progress`, `simt`, `relaxed` or `race`.
+    pub check: &'static str,
+    /// The property that fails.
+    pub property: &'static str,
+    /// The smallest instance that shows it.
+    pub instance: String,
+    /// Steps of its schedule.
+    pub steps: u64,
+    /// Complete interleavings of that instance, if they can be counted.
+    pub executions: Option<u64>,
+    /// Distinct states of that instance.
+    pub states: u64,
+    /// The schedule.
+    pub token: Option<String>,
+}
+
+/// What became of a variant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fate {
+    /// A form without fault, and no check complains.
+    Green,
+    /// A form without fault, and a check complains.
+    Accused,
+    /// A fault that a check caught.
+    Killed,
+    /// A fault that changes no outcome, adds no race, and ends.
+    Equivalent,
+    /// A fault that nothing caught, and that is not equivalent.
+    Survives,
+    /// A bound was hit.
+    Unknown,
+}
+
+impl Fate {
+    /// The word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Green => "green",
+            Self::Accused => "accused",
+            Self::Killed => "killed",
+            Self::Equivalent => "equivalent",
+            Self::Survives => "survives",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// As it should be.
+    #[must_use]
+    pub fn is_right(self) -> bool {
+        matches!(self, Self::Green | Self::Killed | Self::Equivalent)
+    }
+}
+
+/// A variant's row.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Line {
+    /// The fault's id, or `control`.
+    pub mutation: String,
+    /// The variant.
+    pub method: String,
+    /// What became of it.
+    pub fate: Fate,
+    /// The checks that caught it.
+    pub kills: Vec<Kill>,
+    /// What was explored.
+    pub bound: String,
+}
+
+/// The whole matrix: every fault of the catalogue and every form that promises to be correct; or the faults of one id.
+///
+/// # Errors
+/// There is no such fault, or it is not built in.
+pub fn matrix(only: Option<&str>, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Line>> {
+    let mut lines = Vec::new();
+    if let Some(id) = only {
+        built_in(id)?;
+    }
+    if only.is_none() {
+        let correct = contracts().into_iter().filter(|c| c.form == Form::Correct);
+        for contract in correct.filter(|c| c.name != "exact") {
+            lines.push(control(&subject(contract.name)?, plan, limits));
+        }
+    }
+    let chosen = MUTATIONS.iter().filter(|m| only.is_none_or(|id| m.id.eq_ignore_ascii_case(id)));
+    for mutation in chosen {
+        for variant in mutation.variants {
+            lines.push(fault(mutation.id, &subject(variant)?, plan, limits)?);
+        }
+    }
+    Ok(lines)
+}
+
+/// Whether a method has the fault of that id.
+fn built_in(id: &str) -> Result<()> {
+    let known = MUTATIONS.iter().find(|m| m.id.eq_ignore_ascii_case(id));
+    match known.map(|mutation| mutation.absent) {
+        Some(None) => Ok(()),
+        Some(Some(why)) => Err(Error::new("--mutation", format!("no method has {id}: {why}"))),
+        None => {
+            let ids: Vec<&str> = MUTATIONS.iter().map(|m| m.id).collect();
+            let problem = format!("no fault is called {id:?}; there are {}", ids.join(", "));
+            Err(Error::new("--mutation", problem))
+        }
+    }
+}
+
+/// A form without fault.
+fn control(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Line {
+    let examined = Examined::new(subject, plan, limits);
+    let fate = match (examined.complete, examined.kills.is_empty()) {
+        (_, false) => Fate::Accused,
+        (true, true) => Fate::Green,
+        (false, true) => Fate::Unknown,
+    };
+    examined.line("control", fate)
+}
+
+/// A fault, beside the form that it was put into.
+fn fault(id: &str, subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Result<Line> {
+    let examined = Examined::new(subject, plan, limits);
+    if !examined.kills.is_empty() {
+        return Ok(examined.line(id, Fate::Killed));
+    }
+    let base = self::subject(base(subject.contract))?;
+    let without = Examined::new(&base, plan, limits);
+    let fate = match (examined.complete && without.complete, examined.equals(&without)) {
+        (true, true) => Fate::Equivalent,
+        (true, false) => Fate::Survives,
+        (false, _) => Fate::Unknown,
+    };
+    Ok(examined.line(id, fate))
+}
+
+/// The correct form that a variant belongs to.
+fn base(contract: &Contract) -> &str {
+    contract.base_name()
+}
+
+/// A variant after all checks.
+struct Examined {
+    subject: Subject,
+    surveys: Vec<Survey>,
+    kills: Vec<Kill>,
+    complete: bool,
+}
+
+impl Examined {
+    fn new(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Self {
+        let mut examined =
+            Self { subject: *subject, surveys: Vec::new(), kills: Vec::new(), complete: true };
+        examined.results("sc", MemoryModel::Sequential, plan, limits);
+        examined.endings(plan, limits);
+        examined.results("relaxed", MemoryModel::Relaxed(Profile::Vulkan), plan, limits);
+        examined
+    }
+
+    fn results(
+        &mut self,
+        check: &'static str,
+        memory: MemoryModel,
+        plan: &Plan,
+        limits: &Limits<'_>,
+    ) {
+        let family = Family {
+            fragments: plan.fragments_under(memory).min(4),
+            ks: plan.ks.iter().copied().filter(|&k| k <= 2).collect(),
+            helpers: 0,
+        };
+        let device = Device { memory, warp: None };
+        let survey = Survey::new(&self.subject, &family, device, limits);
+        self.complete &= survey.is_complete();
+        let properties = check::properties(&self.subject, memory).into_iter();
+        let is_race = |p: Property| p == Property::RaceFree;
+        let first = properties
+            .filter_map(|p| Some((p, survey.violation(p)?)))
+            .filter(|(p, _)| !is_race(*p))
+            .min_by_key(|(_, (l, _, f))| (l.fragments.len(), f.schedule.len()));
+        let race = survey.violation(Property::RaceFree).map(|v| (Property::RaceFree, v));
+        for (property, (litmus, explored, found)) in first.into_iter().chain(race) {
+            self.kills.push(Kill {
+                check: if is_race(property) { "race" } else { check },
+                property: property.name(),
+                instance: litmus.describe(),
+                steps: found.schedule.len() as u64,
+                executions: explored.executions.and_then(|n| u64::try_from(n).ok()),
+                states: explored.states as u64,
+                token: survey.row(property).token,
+            });
+        }
+        self.surveys.push(survey);
+    }
+
+    fn endings(&mut self, plan: &Plan, limits: &Limits<'_>) {
+        let ks = plan.ks.iter().copied().filter(|&k| k <= 2).collect();
+        let progress = vec![Progress::Obe, Progress::Fair];
+        let plan = Plan { ks, fragments: Some(2), progress, simt: true, ..plan.clone() };
+        for row in check::termination(&self.subject, &plan, limits) {
+            let simt = row.progress.as_deref() == Some("simt");
+            match row.verdict {
+                Verdict::Violated => self.kills.push(Kill {
+                    check: if simt { "simt" } else { "progress" },
+                    property: Property::Termination.name(),
+                    instance: row.instance,
+                    steps: row.steps.unwrap_or(0),
+                    executions: None,
+                    states: row.states,
+                    token: row.token,
+                }),
+                Verdict::Unknown => self.complete = false,
+                Verdict::Verified => {}
+            }
+        }
+    }
+
+    /// The same outcomes on every instance, under every memory model.
+    fn equals(&self, other: &Self) -> bool {
+        self.surveys.len() == other.surveys.len()
+            && self.surveys.iter().zip(&other.surveys).all(|(a, b)| {
+                a.explored.len() == b.explored.len()
+                    && a.explored.iter().zip(&b.explored).all(|((la, ea), (lb, eb))| {
+                        la == lb && ea.outcomes.keys().eq(eb.outcomes.keys())
+                    })
+            })
+    }
+
+    fn line(self, mutation: &str, fate: Fate) -> Line {
+        let bounds = self.surveys.iter().map(|s| s.row(Property::Keeps).bound);
+        Line {
+            mutation: mutation.to_owned(),
+            method: self.subject.contract.name.to_owned(),
+            fate,
+            bound: bounds.collect::<Vec<_>>().join("; "),
+            kills: self.kills,
+        }
+    }
+}

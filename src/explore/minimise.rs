@@ -1,0 +1,258 @@
+//! Cutting a failure down: a scene to one pixel, a pixel's fragments, the switches between invocations, the steps.
+//!
+//! Delta debugging with replays: a smaller candidate is kept if it still shows the same property violated. A candidate
+//! schedule is followed as far as it goes; moves of invocations that have ended are left out, and who is left over runs
+//! to its end in order.
+
+use super::exhaustive::{self, Limits};
+use super::litmus::Litmus;
+use super::machine::{Device, MOST_INVOCATIONS};
+use super::model::MemoryModel;
+use super::property::Property;
+use super::run::{Run, Runner, run};
+use super::scene::litmus_of;
+use super::schedule::{Move, Schedule, switches};
+use super::shader::{Shader, Subject, subject};
+use super::token::LitmusToken;
+use crate::error::{Error, Result};
+use crate::memory::asked::Cells;
+use crate::render::{Exec, Options, Sim, render};
+use crate::scene::Scene;
+
+/// Steps after which a candidate is given up.
+const MOST_STEPS: usize = 20_000;
+
+/// Fragments up to which all interleavings are searched for a shortest one.
+const SEARCHED: usize = 4;
+
+/// A failure of one pixel.
+struct Failure {
+    subject: Subject,
+    device: Device,
+    property: Property,
+    litmus: Litmus,
+    schedule: Schedule,
+}
+
+/// Cut a litmus token down.
+///
+/// # Errors
+/// An unknown method, or a token that does not show its violation.
+pub fn minimise_litmus(token: &LitmusToken, limits: &Limits<'_>) -> Result<LitmusToken> {
+    let subject = subject(&token.method)?;
+    let property = Property::ALL.into_iter().find(|p| p.name() == token.property);
+    let property = property.ok_or_else(|| unfit("names a property that fragloom does not know"))?;
+    if property == Property::Termination {
+        return Ok(token.clone());
+    }
+    // That there are other results cannot be seen in one run; that this one is wrong can.
+    let property = if property == Property::OneOutcome { Property::Keeps } else { property };
+    let failure = Failure {
+        subject,
+        device: token.device(),
+        property,
+        litmus: token.litmus.clone(),
+        schedule: token.schedule(),
+    };
+    failure.minimise(limits)
+}
+
+/// Cut the failure of a scene on the simulated device down to a pixel with the fewest fragments.
+///
+/// # Errors
+/// Nothing fails, or only in ways that one pixel does not show.
+pub fn minimise_scene(
+    scene: &Scene,
+    options: &Options,
+    limits: &Limits<'_>,
+) -> Result<LitmusToken> {
+    let subject = subject(&options.method)?;
+    let k = options.k.or(subject.contract.default_k);
+    let exact = Options {
+        method: "exact".to_owned(),
+        k: subject.contract.reference_k(k),
+        exec: Exec::Tile,
+        depth_format: options.depth_format.or(subject.contract.depth_format),
+        ..options.clone()
+    };
+    let expected = render(scene, &exact)?.lists;
+    let all = Options { k: None, ..exact };
+    let sizes = render(scene, &all)?.lists;
+    let found = render(scene, options)?.lists;
+    let [width, height] = scene.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let wrong = pixels.filter(|&[x, y]| found.pixel(x, y) != expected.pixel(x, y));
+    let mut wrong: Vec<(usize, [u32; 2])> =
+        wrong.map(|[x, y]| (sizes.pixel(x, y).len(), [x, y])).collect();
+    wrong.sort_unstable();
+    if wrong.is_empty() {
+        return Err(unfit("shows no difference from the exact fragments"));
+    }
+    for &(_, pixel) in wrong.iter().take_while(|w| w.0 <= MOST_INVOCATIONS - 4).take(16) {
+        if let Some(failure) = cut(&subject, scene, options, pixel)? {
+            return failure.minimise(limits);
+        }
+    }
+    Err(unfit("fails only on pixels that cannot be cut out"))
+}
+
+/// One pixel of a scene, with the part of the schedule that is its own, if that fails too.
+fn cut(
+    subject: &Subject,
+    scene: &Scene,
+    options: &Options,
+    pixel: [u32; 2],
+) -> Result<Option<Failure>> {
+    let Exec::Sim(sim) = &options.exec else { return Ok(None) };
+    let exec = Exec::Sim(Sim { watch: Some(pixel), ..sim.clone() });
+    let watched = render(scene, &Options { exec, ..options.clone() })?.watched;
+    let Some(watched) = watched else { return Ok(None) };
+    let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
+    let device = Device { memory: MemoryModel::Sequential, warp: None };
+    let moves = watched.steps.iter().map(|&i| Move { invocation: i as u8, alternative: 0 });
+    let shader = (subject.make)(&litmus.config());
+    let (schedule, run) = follow(&*shader, subject, &litmus, device, moves);
+    let property = [Property::Keeps, Property::Intact]
+        .into_iter()
+        .find(|p| run.violations().any(|(found, _)| found == p));
+    Ok(property.map(|property| Failure { subject: *subject, device, property, litmus, schedule }))
+}
+
+/// Follow moves as far as they go, then run whoever is left.
+fn follow(
+    shader: &dyn Shader,
+    subject: &Subject,
+    litmus: &Litmus,
+    device: Device,
+    moves: impl Iterator<Item = Move>,
+) -> (Schedule, Run) {
+    let cells = Cells::new(shader.layout(), litmus.pixels);
+    let mut runner = Runner::new(shader, subject.contract, &cells, litmus, device);
+    let mut schedule = Schedule::new();
+    let mut take = |runner: &mut Runner<'_>, by: Move| {
+        let ways = runner.alternatives(usize::from(by.invocation));
+        let by = Move { alternative: by.alternative.min(ways.saturating_sub(1) as u16), ..by };
+        let moved = ways > 0 && runner.step(by).is_some();
+        if moved {
+            schedule.push(by);
+        }
+        moved
+    };
+    for by in moves.take(MOST_STEPS) {
+        if runner.live() & (1 << by.invocation) != 0 {
+            take(&mut runner, by);
+        }
+    }
+    let mut left = MOST_STEPS;
+    while runner.live() != 0 && left > 0 {
+        let live = runner.live();
+        // A waiting invocation goes last: it may wait for one of the others.
+        let order = (0..32).filter(|i| live & (1 << i) != 0);
+        let ready = order.clone().find(|&i| !runner.waits(i)).or_else(|| order.clone().next());
+        let Some(invocation) = ready else { break };
+        let by = Move { invocation: invocation as u8, alternative: 0 };
+        let moved = take(&mut runner, by);
+        left = if moved { left - 1 } else { 0 };
+    }
+    (schedule, runner.finish())
+}
+
+impl Failure {
+    fn minimise(mut self, limits: &Limits<'_>) -> Result<LitmusToken> {
+        self.drop_fragments(limits);
+        self.drop_switches(limits);
+        self.search(limits);
+        self.token()
+    }
+
+    /// Whether a candidate shows the violation; its schedule if it does.
+    fn shows(&self, litmus: &Litmus, moves: &[Move]) -> Option<Schedule> {
+        let shader = (self.subject.make)(&litmus.config());
+        let (schedule, run) =
+            follow(&*shader, &self.subject, litmus, self.device, moves.iter().copied());
+        run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
+    }
+
+    /// Leave out one fragment after another, as long as any can be spared.
+    fn drop_fragments(&mut self, limits: &Limits<'_>) {
+        let mut at = 0;
+        while at < self.litmus.fragments.len() && !(limits.cancelled)() {
+            let mut litmus = self.litmus.clone();
+            litmus.fragments.remove(at);
+            litmus.room = litmus.room.min(litmus.fragments.len() as u32).max(1);
+            litmus.helpers = litmus.helpers.min(litmus.fragments.len() as u32);
+            let gone = at as u8;
+            let moves = self.schedule.iter().filter(|by| by.invocation != gone);
+            let moves: Schedule = moves
+                .map(|by| Move {
+                    invocation: by.invocation - u8::from(by.invocation > gone),
+                    ..*by
+                })
+                .collect();
+            let smaller = !litmus.fragments.is_empty();
+            match smaller.then(|| self.shows(&litmus, &moves)).flatten() {
+                Some(schedule) => {
+                    (self.litmus, self.schedule) = (litmus, schedule);
+                    at = 0;
+                }
+                None => at += 1,
+            }
+        }
+    }
+
+    /// Let an invocation go on where it was interrupted, as long as that leaves the violation.
+    fn drop_switches(&mut self, limits: &Limits<'_>) {
+        let mut at = 1;
+        while at < self.schedule.len() && !(limits.cancelled)() {
+            let before = self.schedule[at - 1].invocation;
+            if self.schedule[at].invocation == before {
+                at += 1;
+                continue;
+            }
+            // Bring the next run of the interrupted invocation forward.
+            let rest = &self.schedule[at..];
+            let Some(begin) = rest.iter().position(|by| by.invocation == before) else {
+                at += 1;
+                continue;
+            };
+            let length = rest[begin..].iter().take_while(|by| by.invocation == before).count();
+            let mut moves = self.schedule[..at].to_vec();
+            moves.extend_from_slice(&rest[begin..begin + length]);
+            moves.extend_from_slice(&rest[..begin]);
+            moves.extend_from_slice(&rest[begin + length..]);
+            let fewer = |schedule: &Schedule| switches(schedule) < switches(&self.schedule);
+            match self.shows(&self.litmus, &moves).filter(fewer) {
+                Some(schedule) => (self.schedule, at) = (schedule, 1),
+                None => at += 1,
+            }
+        }
+    }
+
+    /// With few fragments left, take a shortest schedule of all.
+    fn search(&mut self, limits: &Limits<'_>) {
+        if self.litmus.fragments.len() > SEARCHED {
+            return;
+        }
+        let shader = (self.subject.make)(&self.litmus.config());
+        let contract = self.subject.contract;
+        let explored = exhaustive::explore(&*shader, contract, &self.litmus, self.device, limits);
+        if let Some(found) = explored.violations.get(&self.property)
+            && found.schedule.len() < self.schedule.len()
+        {
+            self.schedule.clone_from(&found.schedule);
+        }
+    }
+
+    fn token(&self) -> Result<LitmusToken> {
+        let shader = (self.subject.make)(&self.litmus.config());
+        let contract = self.subject.contract;
+        let run = run(&*shader, contract, &self.litmus, self.device, &self.schedule)?;
+        let schedule: [&[Move]; 2] = [&self.schedule, &[]];
+        let (name, property) = (contract.name, self.property.name());
+        Ok(LitmusToken::new(name, property, &self.litmus, self.device, schedule, &run))
+    }
+}
+
+fn unfit(problem: &str) -> Error {
+    Error::new("TOKEN", format!("the token {problem}"))
+}

@@ -1,0 +1,189 @@
+//! Memory models: what an operation may find.
+//!
+//! A model keeps the words of one state, encoded as a slice that equals another's exactly when the states do. The
+//! explorer loads a state, performs one operation in one of its alternatives, and stores the state that follows.
+
+use super::relaxed::Relaxed;
+use super::sequential::Sequential;
+use crate::memory::asked::{Action, Cells};
+use crate::memory::{Access, Order};
+
+/// How memory behaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MemoryModel {
+    /// Sequential consistency: an operation is a step, and all see the same order of steps.
+    Sequential,
+    /// Release and acquire without load buffering and 2+2W: see `relaxed`.
+    Relaxed(Profile),
+}
+
+/// What a shading language makes of the orders that a scheme is written with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Profile {
+    /// As written: the Vulkan memory model has release and acquire.
+    Vulkan,
+    /// GLSL: atomics are relaxed; acquire is a relaxed operation before a memory barrier, release one after it; images
+    /// are `coherent`, so a plain access behaves as a relaxed one and is called no race.
+    Glsl,
+    /// WGSL: every atomic is relaxed, whatever was written. A lock is outside of what the language guarantees.
+    Wgsl,
+}
+
+impl MemoryModel {
+    /// The name on the command line, without the profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sequential => "sc",
+            Self::Relaxed(_) => "relaxed",
+        }
+    }
+
+    /// The profile's name.
+    #[must_use]
+    pub fn profile(self) -> Option<&'static str> {
+        match self {
+            Self::Sequential => None,
+            Self::Relaxed(profile) => Some(profile.name()),
+        }
+    }
+
+    /// What a verdict under this model must say.
+    #[must_use]
+    pub fn bound(self) -> &'static str {
+        match self {
+            Self::Sequential => "sequentially consistent",
+            Self::Relaxed(_) => "relaxed, without load buffering and 2+2W",
+        }
+    }
+}
+
+impl std::fmt::Display for MemoryModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.profile() {
+            None => f.write_str(self.name()),
+            Some(profile) => write!(f, "{}/{profile}", self.name()),
+        }
+    }
+}
+
+impl Profile {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Vulkan, Self::Glsl, Self::Wgsl];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vulkan => "vulkan",
+            Self::Glsl => "glsl",
+            Self::Wgsl => "wgsl",
+        }
+    }
+
+    /// What is left of an order, and whether a barrier stands before and after the operation.
+    pub(super) fn order(self, order: Order) -> (Order, Fences) {
+        let (before, after) = match order {
+            Order::Relaxed => (false, false),
+            Order::Acquire => (false, true),
+            Order::Release => (true, false),
+            Order::AcqRel => (true, true),
+        };
+        match self {
+            Self::Vulkan => (order, Fences::default()),
+            Self::Glsl => (Order::Relaxed, Fences { before, after }),
+            Self::Wgsl => (Order::Relaxed, Fences::default()),
+        }
+    }
+
+    /// Whether a plain access that conflicts with an unordered one is a data race.
+    pub(super) fn has_races(self) -> bool {
+        self != Self::Glsl
+    }
+}
+
+/// Memory barriers around an operation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Fences {
+    pub(super) before: bool,
+    pub(super) after: bool,
+}
+
+/// Two unordered accesses of which one is a write and one is plain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Race {
+    /// The earlier one's invocation.
+    pub(super) other: usize,
+    /// The word.
+    pub(super) cell: u32,
+    /// Whether the earlier access was a write.
+    pub(super) other_writes: bool,
+    /// Whether the earlier access was plain.
+    pub(super) other_plain: bool,
+}
+
+/// A word's value in an initial state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Initial {
+    /// As the clear pass left it.
+    Written(u64),
+    /// Anything: decided when it is first read.
+    Unwritten,
+}
+
+/// The words of one state under a memory model.
+pub(super) trait Model {
+    /// Take up a state.
+    fn load(&mut self, encoded: &[u32]);
+
+    /// In how many ways the invocation's operation can go.
+    fn alternatives(&mut self, invocation: usize, cell: u32, action: Action) -> usize;
+
+    /// Perform it, in one of these ways; the value that it reads, 0 for a write.
+    fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64;
+
+    /// The race that the last operation was part of.
+    fn race(&self) -> Option<Race>;
+
+    /// Whether an operation was ever left out for want of room: what was explored is then not all.
+    fn full(&self) -> bool {
+        false
+    }
+
+    /// Encode the state; `live` has a bit for every invocation that has not ended.
+    fn store(&self, live: u32, into: &mut Vec<u32>);
+
+    /// What a word holds once all invocations are ordered before the reader; `None` if nobody wrote it.
+    fn settled(&self, cell: u32) -> Option<u64>;
+}
+
+/// Make the model's memory for some initial words. `candidates` are the values that an unwritten word is given.
+pub(super) fn make(
+    model: MemoryModel,
+    cells: &Cells,
+    initial: &[Initial],
+    candidates: &[u64],
+    invocations: usize,
+) -> Box<dyn Model> {
+    match model {
+        MemoryModel::Sequential => Box::new(Sequential::new(cells, initial, candidates)),
+        MemoryModel::Relaxed(profile) => {
+            Box::new(Relaxed::new(cells, initial, candidates, invocations, profile))
+        }
+    }
+}
+
+/// A value cut to a word's width.
+pub(super) fn cut(value: u64, bits: u32) -> u64 {
+    if bits == 32 { value & 0xFFFF_FFFF } else { value }
+}
+
+/// The order of an access, if it is atomic.
+pub(super) fn order_of(action: Action) -> Option<Order> {
+    match action {
+        Action::Read(Access::Atomic(order))
+        | Action::Write(_, Access::Atomic(order))
+        | Action::Update(_, order) => Some(order),
+        Action::Read(Access::Plain) | Action::Write(_, Access::Plain) => None,
+    }
+}

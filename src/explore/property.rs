@@ -1,0 +1,173 @@
+//! What is checked.
+
+use super::forest::Fault;
+use super::litmus::Litmus;
+use super::machine::Final;
+use crate::exec::account::Judgement;
+use crate::fragment::{data_of, depth_of};
+use crate::scheme::contract::Keeps;
+use crate::scheme::{Contract, Outcome};
+
+/// A property of a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Property {
+    /// A pixel holds what the contract says: the k nearest, all, the nearest one.
+    Keeps,
+    /// No entry is there twice, and none was never generated.
+    Intact,
+    /// What invocations report adds up to what was generated.
+    Accounting,
+    /// No lock is held by two, freed by one who does not hold it, or kept.
+    MutualExclusion,
+    /// No access goes outside of the method's words.
+    Bounds,
+    /// The method's own invariant.
+    Invariant,
+    /// The result is the same for all interleavings.
+    OneOutcome,
+    /// No two conflicting accesses, of which one is plain, are unordered.
+    RaceFree,
+    /// Every invocation ends.
+    Termination,
+}
+
+impl Property {
+    /// All, in the order of reports.
+    pub const ALL: [Self; 9] = [
+        Self::Keeps,
+        Self::Intact,
+        Self::Accounting,
+        Self::MutualExclusion,
+        Self::Bounds,
+        Self::Invariant,
+        Self::OneOutcome,
+        Self::RaceFree,
+        Self::Termination,
+    ];
+
+    /// The name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Keeps => "keeps",
+            Self::Intact => "intact",
+            Self::Accounting => "accounting",
+            Self::MutualExclusion => "mutual-exclusion",
+            Self::Bounds => "bounds",
+            Self::Invariant => "invariant",
+            Self::OneOutcome => "one-outcome",
+            Self::RaceFree => "race-free",
+            Self::Termination => "termination",
+        }
+    }
+}
+
+impl Fault {
+    pub(super) fn property(self) -> Property {
+        match self {
+            Self::Outside => Property::Bounds,
+            Self::ForeignLock | Self::KeepsLock => Property::MutualExclusion,
+            Self::WaitsForNothing => Property::Termination,
+        }
+    }
+
+    pub(super) fn message(self) -> &'static str {
+        match self {
+            Self::Outside => "an access outside of the method's words",
+            Self::ForeignLock => "a lock is freed by an invocation that does not hold it",
+            Self::KeepsLock => "an invocation ends and still holds a lock",
+            Self::WaitsForNothing => "an invocation waits before its first operation, for ever",
+        }
+    }
+}
+
+/// Whether an instance has room for all that its contract wants to keep: else what is dropped depends on arrival, as
+/// the contract says.
+pub(super) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
+    let short = (litmus.room as usize) < litmus.fragments.len();
+    short && matches!(contract.keeps, Keeps::All | Keeps::FirstArrivals)
+}
+
+/// What a finished run did wrong.
+pub(super) fn judge(contract: &Contract, litmus: &Litmus, run: &Final) -> Vec<(Property, String)> {
+    let mut wrong = Vec::new();
+    let mut judgement = Judgement::default();
+    for (pixel, list) in (0..).zip(&run.lists) {
+        let generated = litmus.generated(pixel);
+        let reports = reports(litmus, run, pixel);
+        if let Some(message) = keeps(contract, litmus, &generated, list, &reports) {
+            wrong.push((Property::Keeps, format!("{}{message}", place(litmus, pixel))));
+        }
+        judgement.pixel(&generated, list, None);
+        let gone = reports.iter().filter(|&&o| o != Outcome::Kept).count();
+        if list.len() + gone != generated.len() {
+            let message = format!(
+                "{}{} generated, {} in the list, {gone} reported as gone",
+                place(litmus, pixel),
+                generated.len(),
+                list.len()
+            );
+            wrong.push((Property::Accounting, message));
+        }
+    }
+    if judgement.duplicated + judgement.torn > 0 {
+        let message =
+            format!("{} entries duplicated, {} torn", judgement.duplicated, judgement.torn);
+        wrong.push((Property::Intact, message));
+    }
+    wrong
+}
+
+fn place(litmus: &Litmus, pixel: u32) -> String {
+    if litmus.pixels > 1 { format!("pixel {pixel}: ") } else { String::new() }
+}
+
+/// What the invocations of a pixel reported.
+fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
+    let own = litmus.fragments().zip(&run.outcomes).filter(|(f, _)| f.pixel == pixel);
+    own.map(|(_, &outcome)| outcome).collect()
+}
+
+fn keeps(
+    contract: &Contract,
+    litmus: &Litmus,
+    generated: &[u64],
+    list: &[u64],
+    reports: &[Outcome],
+) -> Option<String> {
+    let k = contract.reference_k(litmus.k).map_or(usize::MAX, |k| k as usize);
+    let expected = &generated[..k.min(generated.len())];
+    let dropped = reports.iter().filter(|o| matches!(o, Outcome::Overflow | Outcome::Pool)).count();
+    let right = match contract.keeps {
+        // Drops by arrival: any of the fragments may be missing, but no more than were reported and than do not fit.
+        Keeps::All | Keeps::FirstArrivals if overflows(contract, litmus) => {
+            let room = litmus.room as usize;
+            let enough = match contract.keeps {
+                Keeps::FirstArrivals => dropped == generated.len().saturating_sub(room),
+                _ => dropped <= litmus.fragments.len() - room,
+            };
+            enough && list.len() + dropped == generated.len() && is_part(list, generated)
+        }
+        // By depth alone, whoever of the equal ones came first.
+        Keeps::Nearest if contract.arrival_dependent => {
+            let depths = |keys: &[u64]| keys.iter().map(|&key| depth_of(key)).collect::<Vec<_>>();
+            depths(list) == depths(expected) && is_part(list, generated)
+        }
+        _ => list == expected,
+    };
+    (!right).then(|| format!("{} instead of {}", keys(list), keys(expected)))
+}
+
+/// Whether one sorted list's entries are among another's.
+fn is_part(part: &[u64], whole: &[u64]) -> bool {
+    let mut rest = whole.iter();
+    part.iter().all(|key| rest.any(|other| other == key))
+}
+
+/// Keys as depth/data, hexadecimal.
+#[must_use]
+pub(super) fn keys(keys: &[u64]) -> String {
+    let text: Vec<String> =
+        keys.iter().map(|&key| format!("{:x}/{:x}", depth_of(key), data_of(key))).collect();
+    format!("[{}]", text.join(" "))
+}

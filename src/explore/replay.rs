@@ -1,0 +1,185 @@
+//! Running a token again, and showing it: one column per invocation, the words that change, and the step after which
+//! the result could no longer be right.
+
+use super::exhaustive::Limits;
+use super::machine::Device;
+use super::property::{self, Property};
+use super::run::{Event, Run, Runner, describe, label, run};
+use super::schedule::Move;
+use super::shader::{Shader, Subject, Task, subject};
+use super::token::LitmusToken;
+use crate::error::{Error, Result};
+use crate::memory::asked::{Action, CellName, Cells};
+
+/// A token's run.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// What happened.
+    pub run: Run,
+    /// The number of steps after which no continuation was right any more; `None` if that cannot be said.
+    pub doomed_after: Option<usize>,
+    /// Steps at the end that repeat for ever.
+    pub cycle: usize,
+}
+
+/// States that are searched, for each step that is asked about.
+const MOST_STATES: usize = 300_000;
+
+/// Run a token again.
+///
+/// # Errors
+/// An unknown method, or operations that are not the token's: the method has changed since.
+pub fn replay(token: &LitmusToken) -> Result<Replay> {
+    replay_of(&subject(&token.method)?, token)
+}
+
+/// Run a token of a method that need not be in the catalogue.
+///
+/// # Errors
+/// Operations that are not the token's.
+pub fn replay_of(subject: &Subject, token: &LitmusToken) -> Result<Replay> {
+    let shader = (subject.make)(&token.litmus.config());
+    let schedule = token.schedule();
+    let run = run(&*shader, subject.contract, &token.litmus, token.device(), &schedule)
+        .map_err(|e| Error::new("TOKEN", format!("the token's {e}")))?;
+    token.verify(&run)?;
+    let wrong_end = run.end.is_some() && run.wrong.iter().any(|(p, _)| is_of_result(*p));
+    let doomed_after = wrong_end
+        .then(|| doomed_after(&*shader, subject, token, token.device(), &schedule))
+        .flatten();
+    Ok(Replay { run, doomed_after, cycle: token.cycle() })
+}
+
+fn is_of_result(property: Property) -> bool {
+    matches!(property, Property::Keeps | Property::Intact | Property::Accounting)
+}
+
+/// The first number of steps after which nothing can be right: found by halving, since what is lost stays lost.
+fn doomed_after(
+    shader: &dyn Shader,
+    subject: &Subject,
+    token: &LitmusToken,
+    device: Device,
+    schedule: &[Move],
+) -> Option<usize> {
+    let cells = Cells::new(shader.layout(), token.litmus.pixels);
+    let limits = Limits { states: MOST_STATES, cancelled: &|| false };
+    let right_after = |steps: usize| {
+        let mut runner = Runner::new(shader, subject.contract, &cells, &token.litmus, device);
+        schedule[..steps].iter().for_each(|&by| {
+            runner.step(by);
+        });
+        runner.can_still_be_right(&limits)
+    };
+    if !right_after(0)? {
+        return None;
+    }
+    let (mut right, mut doomed) = (0, schedule.len());
+    while doomed - right > 1 {
+        let middle = usize::midpoint(right, doomed);
+        if right_after(middle)? {
+            right = middle;
+        } else {
+            doomed = middle;
+        }
+    }
+    Some(doomed)
+}
+
+impl Replay {
+    /// The interleaving as rows of cells: step, one column per invocation, what the word then holds, what is wrong.
+    #[must_use]
+    pub fn table(&self) -> Vec<Vec<String>> {
+        let mut heading = vec!["step".to_owned()];
+        let names = self.run.tasks.iter().enumerate();
+        heading.extend(names.map(|(i, task)| name(i, *task, self.run.helpers[i])));
+        heading.push("word".to_owned());
+        heading.push(String::new());
+        let mut rows = vec![heading];
+        let steps = self.run.events.len();
+        for (i, event) in self.run.events.iter().enumerate() {
+            if self.cycle > 0 && i + self.cycle == steps {
+                rows.push(vec!["for ever:".to_owned()]);
+            }
+            rows.push(self.row(i, event));
+        }
+        rows
+    }
+
+    fn row(&self, step: usize, event: &Event) -> Vec<String> {
+        let mut row = vec![(step + 1).to_string()];
+        let invocation = usize::from(event.by.invocation);
+        row.resize(1 + invocation, String::new());
+        row.push(told(event));
+        row.resize(1 + self.run.tasks.len(), String::new());
+        row.push(word(event));
+        let mut remarks: Vec<String> = event.wrong.iter().map(|(_, told)| told.clone()).collect();
+        if self.doomed_after == Some(step + 1) {
+            remarks.insert(0, "<- from here on, no way is right".to_owned());
+        }
+        row.push(remarks.join("; "));
+        row
+    }
+
+    /// How the run ended, and what was wrong with that; one line each.
+    #[must_use]
+    pub fn ending(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(end) = &self.run.end {
+            for (pixel, list) in end.lists.iter().enumerate() {
+                lines.push(format!("pixel {pixel} holds {}", property::keys(list)));
+            }
+        }
+        let wrong = self.run.wrong.iter();
+        lines.extend(wrong.map(|(property, told)| format!("{}: {told}", property.name())));
+        lines
+    }
+}
+
+fn name(invocation: usize, task: Task, helper: bool) -> String {
+    let helper = if helper { " helper" } else { "" };
+    match task {
+        Task::Store(f) => format!("{} {:x}/{:x}{helper}", label(invocation), f.depth, f.data),
+        Task::Clear(pixel) => format!("clear {pixel}"),
+        Task::ClearFrame => "clear frame".to_owned(),
+        Task::Resolve(pixel) => format!("resolve {pixel}"),
+    }
+}
+
+fn told(event: &Event) -> String {
+    let ended = event.ended.as_ref().map(|how| format!(", {how}")).unwrap_or_default();
+    match &event.operation {
+        None => format!("merge{ended}"),
+        Some((_, action)) => {
+            let result = match action {
+                Action::Write(..) => String::new(),
+                _ => format!(" = {:x}", event.result),
+            };
+            format!("{}{result}{ended}", describe(*action))
+        }
+    }
+}
+
+/// The word, and what it holds now if it was written.
+fn word(event: &Event) -> String {
+    let Some((cell, action)) = &event.operation else { return String::new() };
+    let name = cell_name(cell);
+    match action {
+        Action::Read(_) => name,
+        Action::Write(value, _) => format!("{name} := {value:x}"),
+        Action::Update(update, _) if update.failed(event.result) => name,
+        Action::Update(update, _) => {
+            let mask = if cell.bits == 32 { 0xFFFF_FFFF } else { u64::MAX };
+            format!("{name} := {:x}", update.apply(event.result) & mask)
+        }
+    }
+}
+
+fn cell_name(cell: &CellName) -> String {
+    let width = if cell.bits == 64 { "L" } else { "" };
+    match cell.pixel {
+        _ if cell.bits == 0 => "outside".to_owned(),
+        Some(pixel) => format!("p{pixel}[{}]{width}", cell.word),
+        None => format!("frame[{}]{width}", cell.word),
+    }
+}

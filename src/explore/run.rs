@@ -1,0 +1,337 @@
+//! Running a schedule, step by step, with everything that happens on record.
+
+use super::exhaustive::Limits;
+use super::forest::{NodeId, Step};
+use super::litmus::Litmus;
+use super::machine::{Device, Final, Machine, Moved};
+use super::model::Race;
+use super::property::{self, Property};
+use super::schedule::Move;
+use super::shader::{Ended, Shader, Task};
+use super::space::Space;
+use crate::error::{Error, Result};
+use crate::memory::asked::{Action, CellName, Cells, Site};
+use crate::scheme::{Contract, Moment};
+
+/// One step of a run.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// Who moved, and how.
+    pub by: Move,
+    /// What it did; `None` for leaving a block.
+    pub operation: Option<(CellName, Action)>,
+    /// The value read, or 0.
+    pub result: u64,
+    /// From where in the source.
+    pub site: Option<Site>,
+    /// How the invocation ended, if it did.
+    pub ended: Option<String>,
+    /// What is wrong with this step or the state after it.
+    pub wrong: Vec<(Property, String)>,
+}
+
+/// A run of a schedule.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The steps.
+    pub events: Vec<Event>,
+    /// The invocations of the concurrent pass.
+    pub tasks: Vec<Task>,
+    /// Which of them are helpers.
+    pub helpers: Vec<bool>,
+    /// How it ended, if every invocation did.
+    pub end: Option<Final>,
+    /// What is wrong with the end.
+    pub wrong: Vec<(Property, String)>,
+}
+
+impl Run {
+    /// Everything that went wrong, in order.
+    pub fn violations(&self) -> impl Iterator<Item = &(Property, String)> {
+        self.events.iter().flat_map(|event| &event.wrong).chain(&self.wrong)
+    }
+}
+
+/// Runs one instance, move by move.
+pub(super) struct Runner<'a> {
+    machine: Machine<'a>,
+    nodes: Vec<NodeId>,
+    state: Vec<u32>,
+    events: Vec<Event>,
+}
+
+impl<'a> Runner<'a> {
+    pub(super) fn new(
+        shader: &'a dyn Shader,
+        contract: &'a Contract,
+        cells: &'a Cells,
+        litmus: &'a Litmus,
+        device: Device,
+    ) -> Self {
+        let machine = Machine::new(shader, contract, cells, litmus, device, false);
+        let state = machine.initial().to_vec();
+        let nodes = state[..machine.tasks.len()].to_vec();
+        Self { machine, nodes, state, events: Vec::new() }
+    }
+
+    /// Bits of those that have not ended.
+    pub(super) fn live(&self) -> u32 {
+        self.machine.live(&self.nodes)
+    }
+
+    /// In how many ways an invocation can move.
+    pub(super) fn alternatives(&mut self, invocation: usize) -> usize {
+        self.machine.load(&self.state);
+        self.machine.alternatives(&self.nodes, invocation)
+    }
+
+    /// The node that an invocation stands at repeats an attempt.
+    pub(super) fn waits(&self, invocation: usize) -> bool {
+        self.machine.forest.node(self.nodes[invocation]).waits
+    }
+
+    /// Move; `None` if the invocation cannot move so.
+    pub(super) fn step(&mut self, by: Move) -> Option<&Event> {
+        let invocation = usize::from(by.invocation);
+        let node = *self.nodes.get(invocation)?;
+        if usize::from(by.alternative) >= self.alternatives(invocation) {
+            return None;
+        }
+        let (step, site) = {
+            let node = self.machine.forest.node(node);
+            (node.step, node.site)
+        };
+        let moved = self.machine.perform(node, by);
+        let wrong = self.wrong(by, moved);
+        self.nodes[invocation] = moved.node;
+        let live = self.machine.live(&self.nodes);
+        self.state.clear();
+        self.state.extend_from_slice(&self.nodes);
+        self.machine.store(live, &mut self.state);
+        let mut event = Event {
+            by,
+            operation: self.operation(step),
+            result: moved.result,
+            site,
+            ended: self.ended(moved.node),
+            wrong,
+        };
+        self.look(&mut event.wrong);
+        self.events.push(event);
+        self.events.last()
+    }
+
+    fn operation(&self, step: Step) -> Option<(CellName, Action)> {
+        match step {
+            Step::Operation(Cells::OUTSIDE, action) => {
+                Some((CellName { pixel: None, word: u64::MAX, bits: 0 }, action))
+            }
+            Step::Operation(cell, action) => Some((self.machine.cells().name(cell), action)),
+            _ => None,
+        }
+    }
+
+    fn ended(&self, node: NodeId) -> Option<String> {
+        let Step::Ended(end) = self.machine.forest.node(node).step else { return None };
+        Some(match self.machine.forest.ended(end) {
+            Ended::Cleared => "cleared".to_owned(),
+            Ended::Stored(outcome) => format!("{outcome:?}").to_lowercase(),
+            Ended::Resolved(_, keys) => property::keys(keys),
+        })
+    }
+
+    fn wrong(&self, by: Move, moved: Moved) -> Vec<(Property, String)> {
+        let fault = moved.fault.map(|f| (f.property(), f.message().to_owned()));
+        let race = moved.race.map(|race| (Property::RaceFree, self.race(by, race)));
+        fault.into_iter().chain(race).collect()
+    }
+
+    /// Both accesses of a race, in words.
+    fn race(&self, by: Move, race: Race) -> String {
+        let name = self.machine.cells().name(race.cell);
+        let matches = |event: &&Event| {
+            let Some((cell, action)) = event.operation else { return false };
+            let writes = !matches!(action, Action::Read(_));
+            let plain = super::model::order_of(action).is_none();
+            usize::from(event.by.invocation) == race.other
+                && cell == name
+                && writes == race.other_writes
+                && plain == race.other_plain
+        };
+        let earlier = self.events.iter().rev().find(matches);
+        let place = match name.pixel {
+            Some(pixel) => format!("pixel {pixel}, word {}", name.word),
+            None => format!("frame word {}", name.word),
+        };
+        let site = |site: Option<Site>| site.map_or_else(String::new, |s| format!(" at {s}"));
+        let own = self.machine.forest.node(self.nodes[usize::from(by.invocation)]);
+        let own_action = match own.step {
+            Step::Operation(_, action) => describe(action),
+            _ => String::new(),
+        };
+        format!(
+            "data race in {}, {place}: {} of {}{} and {} of {}{} are not ordered",
+            self.machine.contract.name,
+            earlier.and_then(|e| e.operation).map_or_else(String::new, |o| describe(o.1)),
+            self.name(race.other),
+            site(earlier.and_then(|e| e.site)),
+            own_action,
+            self.name(usize::from(by.invocation)),
+            site(own.site),
+        )
+    }
+
+    /// An invocation in words.
+    fn name(&self, invocation: usize) -> String {
+        let helper = if self.machine.litmus.is_helper(invocation) { "helper " } else { "" };
+        match self.machine.tasks[invocation] {
+            Task::Store(f) => {
+                format!("{helper}fragment {} ({:x}/{:x})", label(invocation), f.depth, f.data)
+            }
+            Task::Clear(p) => format!("the clear of pixel {p}"),
+            Task::ClearFrame => "the clear of the frame".to_owned(),
+            Task::Resolve(p) => format!("the resolve of pixel {p}"),
+        }
+    }
+
+    /// Look at the state after a step.
+    fn look(&mut self, wrong: &mut Vec<(Property, String)>) {
+        self.machine.load(&self.state);
+        let mut all = 0;
+        for own in (0..self.nodes.len()).map(|i| self.machine.held(&self.nodes, i)) {
+            if all & own != 0 {
+                let message = "two invocations hold the same lock".to_owned();
+                wrong.push((Property::MutualExclusion, message));
+            }
+            all |= own;
+        }
+        if self.machine.is_sequential()
+            && let Err(message) = self.machine.invariant(Moment::Always)
+        {
+            wrong.push((Property::Invariant, message));
+        }
+    }
+
+    /// Everything, whether or not all invocations have ended.
+    pub(super) fn finish(mut self) -> Run {
+        let (mut end, mut wrong) = (None, Vec::new());
+        if self.live() == 0 {
+            self.machine.load(&self.state);
+            if let Err(message) = self.machine.invariant(Moment::Quiet) {
+                wrong.push((Property::Invariant, message));
+            }
+            let run = self.machine.finish(&self.nodes);
+            wrong.extend(property::judge(self.machine.contract, self.machine.litmus, &run));
+            end = Some(run);
+        }
+        let helpers = (0..self.machine.tasks.len()).map(|i| self.machine.litmus.is_helper(i));
+        Run {
+            helpers: helpers.collect(),
+            events: self.events,
+            tasks: self.machine.tasks,
+            end,
+            wrong,
+        }
+    }
+
+    /// Whether some way from the present state ends with nothing wrong: with the expected lists, and none of the
+    /// faults that the explorer knows. `None` above so many states.
+    pub(super) fn can_still_be_right(&mut self, limits: &Limits<'_>) -> Option<bool> {
+        let mut space = Space::new();
+        let start = self.state.clone();
+        let count = self.nodes.len();
+        space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
+        let mut at = 0;
+        while at < space.len() {
+            if space.len() > limits.states {
+                return None;
+            }
+            let state = space.get(at as u32).to_vec();
+            let nodes = state[..count].to_vec();
+            self.machine.load(&state);
+            if self.machine.live(&nodes) == 0 {
+                let end = self.machine.finish(&nodes);
+                let wrong = property::judge(self.machine.contract, self.machine.litmus, &end);
+                if wrong.is_empty() {
+                    return Some(true);
+                }
+            }
+            for invocation in 0..count {
+                self.machine.load(&state);
+                for alternative in 0..self.machine.alternatives(&nodes, invocation) {
+                    self.machine.load(&state);
+                    let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
+                    let moved = self.machine.perform(nodes[invocation], by);
+                    let mut next = nodes.clone();
+                    next[invocation] = moved.node;
+                    let live = self.machine.live(&next);
+                    self.machine.store(live, &mut next);
+                    space.insert(&next, at as u32, by);
+                }
+            }
+            at += 1;
+        }
+        Some(false)
+    }
+}
+
+/// A, B, C ...
+#[must_use]
+pub fn label(invocation: usize) -> char {
+    char::from(b'A' + (invocation % 26) as u8)
+}
+
+/// An operation in words.
+#[must_use]
+pub fn describe(action: Action) -> String {
+    use crate::memory::{Access, Order, Update};
+    let order = |order: Order| match order {
+        Order::Relaxed => "relaxed",
+        Order::Acquire => "acquire",
+        Order::Release => "release",
+        Order::AcqRel => "acq-rel",
+    };
+    match action {
+        Action::Read(Access::Plain) => "plain load".to_owned(),
+        Action::Read(Access::Atomic(o)) => format!("{} load", order(o)),
+        Action::Write(value, Access::Plain) => format!("plain store of {value:x}"),
+        Action::Write(value, Access::Atomic(o)) => format!("{} store of {value:x}", order(o)),
+        Action::Update(update, o) => {
+            let what = match update {
+                Update::Exchange(v) => format!("exchange {v:x}"),
+                Update::CompareExchange { expected, new } => {
+                    format!("compare-exchange {expected:x} -> {new:x}")
+                }
+                Update::Add(v) => format!("add {v:x}"),
+                Update::And(v) => format!("and {v:x}"),
+                Update::Or(v) => format!("or {v:x}"),
+                Update::Min(v) => format!("min {v:x}"),
+                Update::Max(v) => format!("max {v:x}"),
+            };
+            format!("{} {what}", order(o))
+        }
+    }
+}
+
+/// Run a schedule.
+///
+/// # Errors
+/// A move that is impossible: the schedule is of something else.
+pub(super) fn run(
+    shader: &dyn Shader,
+    contract: &Contract,
+    litmus: &Litmus,
+    device: Device,
+    schedule: &[Move],
+) -> Result<Run> {
+    let cells = Cells::new(shader.layout(), litmus.pixels);
+    let mut runner = Runner::new(shader, contract, &cells, litmus, device);
+    for (i, &by) in schedule.iter().enumerate() {
+        if runner.step(by).is_none() {
+            let problem =
+                format!("step {} is impossible: the schedule is of something else", i + 1);
+            return Err(Error::new("schedule", problem));
+        }
+    }
+    Ok(runner.finish())
+}

@@ -1,0 +1,244 @@
+//! Tokens: a failing schedule as a value that can be mailed.
+//!
+//! `fl1-` and base64 (URL-safe, without padding) of what was run, the schedule, what it showed, a digest of its
+//! operations, and a checksum. A token is complete: method, instance, memory, schedule. It is refused if it was made
+//! by another version of the format, damaged, or if the operations it leads to are not those it was made of.
+
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::litmus::Litmus;
+use super::machine::{Device, MOST_INVOCATIONS};
+use super::model::{MemoryModel, Profile};
+use super::run::{Event, Run, describe};
+use super::schedule::{Move, Schedule};
+use crate::error::{Error, Result};
+
+/// The version of the format, and how a token begins.
+const PREFIX: &str = "fl1-";
+
+/// Bytes of the checksum.
+const CHECK: usize = 4;
+
+/// A run that can be repeated.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Token {
+    /// A schedule of a litmus pixel.
+    Litmus(LitmusToken),
+    /// A whole scene on the simulated device.
+    Scene(SceneToken),
+}
+
+/// A schedule of a litmus pixel.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LitmusToken {
+    /// The method's name.
+    pub method: String,
+    /// The property that fails.
+    pub property: String,
+    /// The instance.
+    pub litmus: Litmus,
+    /// 0: sequentially consistent; 1, 2, 3: relaxed with the profiles in order.
+    memory: u8,
+    /// Lanes of a warp.
+    warp: Option<u32>,
+    /// (invocation, alternative, how often) from the beginning.
+    runs: Vec<(u8, u16, u32)>,
+    /// The same of what then repeats for ever.
+    cycle: Vec<(u8, u16, u32)>,
+    /// Of the operations and their results.
+    digest: u64,
+}
+
+/// A whole scene on the simulated device: everything that its result depends on, and the result.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneToken {
+    /// The method's name.
+    pub method: String,
+    /// The scene, as it is named on the command line.
+    pub scene: String,
+    /// The picture's size.
+    pub size: [u32; 2],
+    /// `-k`.
+    pub k: Option<u32>,
+    /// `--schedule`.
+    pub schedule: String,
+    /// `--seed`.
+    pub seed: u64,
+    /// `--resident`.
+    pub resident: u64,
+    /// `fragments_hash` of the result.
+    pub fragments_hash: String,
+}
+
+impl LitmusToken {
+    /// Of a schedule and the run that it gave. `cycle` repeats for ever after it.
+    #[must_use]
+    pub fn new(
+        method: &str,
+        property: &str,
+        litmus: &Litmus,
+        device: Device,
+        [stem, cycle]: [&[Move]; 2],
+        run: &Run,
+    ) -> Self {
+        let memory = match device.memory {
+            MemoryModel::Sequential => 0,
+            MemoryModel::Relaxed(Profile::Vulkan) => 1,
+            MemoryModel::Relaxed(Profile::Glsl) => 2,
+            MemoryModel::Relaxed(Profile::Wgsl) => 3,
+        };
+        Self {
+            method: method.to_owned(),
+            property: property.to_owned(),
+            litmus: litmus.clone(),
+            memory,
+            warp: device.warp,
+            runs: pack(stem),
+            cycle: pack(cycle),
+            digest: digest(&run.events),
+        }
+    }
+
+    /// How it is run.
+    #[must_use]
+    pub fn device(&self) -> Device {
+        let memory = match self.memory {
+            0 => MemoryModel::Sequential,
+            n => MemoryModel::Relaxed(Profile::ALL[usize::from(n - 1) % Profile::ALL.len()]),
+        };
+        Device { memory, warp: self.warp }
+    }
+
+    /// The moves, those of a cycle once.
+    #[must_use]
+    pub fn schedule(&self) -> Schedule {
+        unpack(&self.runs).chain(unpack(&self.cycle)).collect()
+    }
+
+    /// The moves that repeat for ever.
+    #[must_use]
+    pub fn cycle(&self) -> usize {
+        unpack(&self.cycle).count()
+    }
+
+    /// Whether a run is the one that the token was made of.
+    ///
+    /// # Errors
+    /// Its operations or results are others: the method has changed since.
+    pub fn verify(&self, run: &Run) -> Result<()> {
+        if digest(&run.events) == self.digest {
+            return Ok(());
+        }
+        let problem = format!(
+            "leads to other operations of {} than it was made of: the method has changed since",
+            self.method
+        );
+        Err(bad(&problem))
+    }
+}
+
+fn pack(schedule: &[Move]) -> Vec<(u8, u16, u32)> {
+    let mut runs: Vec<(u8, u16, u32)> = Vec::new();
+    for by in schedule {
+        match runs.last_mut() {
+            Some((i, a, times)) if (*i, *a) == (by.invocation, by.alternative) => *times += 1,
+            _ => runs.push((by.invocation, by.alternative, 1)),
+        }
+    }
+    runs
+}
+
+fn unpack(runs: &[(u8, u16, u32)]) -> impl Iterator<Item = Move> + '_ {
+    runs.iter().flat_map(|&(invocation, alternative, times)| {
+        std::iter::repeat_n(Move { invocation, alternative }, times as usize)
+    })
+}
+
+/// 8 bytes of the SHA-256 of the operations with their results.
+fn digest(events: &[Event]) -> u64 {
+    let mut digest = Sha256::new();
+    for event in events {
+        let what = match &event.operation {
+            Some((cell, action)) => {
+                format!("{:?}:{}:{} {}", cell.pixel, cell.word, cell.bits, describe(*action))
+            }
+            None => "merge".to_owned(),
+        };
+        digest.update(format!("{} {what} = {:x}\n", event.by.invocation, event.result));
+    }
+    let bytes = digest.finalize();
+    u64::from_le_bytes(std::array::from_fn(|i| bytes[i]))
+}
+
+impl std::fmt::Display for Token {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut bytes = postcard::to_stdvec(self).map_err(|_| std::fmt::Error)?;
+        bytes.extend(checksum(&bytes));
+        write!(f, "{PREFIX}{}", URL_SAFE_NO_PAD.encode(bytes))
+    }
+}
+
+impl std::str::FromStr for Token {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let text = text.trim();
+        let Some(body) = text.strip_prefix(PREFIX) else {
+            let other = text.strip_prefix("fl").and_then(|t| t.split_once('-'));
+            return Err(match other {
+                Some((version, _)) if version.chars().all(|c| c.is_ascii_digit()) => bad(&format!(
+                    "is of version {version} of the format; this fragloom reads version 1"
+                )),
+                _ => bad("is no token: a token begins with fl1-"),
+            });
+        };
+        let damaged =
+            || bad("is damaged: its checksum does not fit (was it cut when it was copied?)");
+        let bytes = URL_SAFE_NO_PAD.decode(body).map_err(|_| damaged())?;
+        if bytes.len() <= CHECK {
+            return Err(damaged());
+        }
+        let (payload, check) = bytes.split_at(bytes.len() - CHECK);
+        if checksum(payload) != check {
+            return Err(damaged());
+        }
+        let token: Self = postcard::from_bytes(payload).map_err(|_| damaged())?;
+        token.check()?;
+        Ok(token)
+    }
+}
+
+impl Token {
+    /// The most moves of a token: longer ones were not made here, and would only take memory.
+    const MOST_MOVES: u64 = 10_000_000;
+
+    /// What a well-made token always fulfils.
+    fn check(&self) -> Result<()> {
+        let Self::Litmus(token) = self else { return Ok(()) };
+        let Litmus { pixels, fragments, room, helpers, k } = &token.litmus;
+        let moves = token.runs.iter().chain(&token.cycle).map(|run| u64::from(run.2)).sum::<u64>();
+        let invocations = fragments.len() + *helpers as usize + 2 * *pixels as usize + 1;
+        let small = invocations <= MOST_INVOCATIONS && (1..=8).contains(pixels);
+        let sane = small
+            && token.memory <= 3
+            && *helpers as usize <= fragments.len()
+            && *room <= 256
+            && k.is_none_or(|k| (1..=256).contains(&k))
+            && fragments.iter().all(|f| f.0 < *pixels && f.1 != u32::MAX)
+            && token.warp.is_none_or(|w| w > 0)
+            && moves <= Self::MOST_MOVES;
+        if sane { Ok(()) } else { Err(bad("describes no litmus pixel that fragloom makes")) }
+    }
+}
+
+fn checksum(payload: &[u8]) -> [u8; CHECK] {
+    let digest = Sha256::digest(payload);
+    std::array::from_fn(|i| digest[i])
+}
+
+fn bad(problem: &str) -> Error {
+    Error::new("TOKEN", format!("the token {problem}"))
+}

@@ -1,0 +1,74 @@
+//! Single runs of a litmus pixel under a policy: for instances too large to explore, and to look at one schedule.
+
+use super::exhaustive::Limits;
+use super::litmus::Litmus;
+use super::machine::Device;
+use super::run::{Run, Runner};
+use super::schedule::{Move, Schedule};
+use super::shader::Shader;
+use crate::error::Result;
+use crate::exec::sim::policy::{self, Policy, Settings};
+use crate::memory::asked::Cells;
+use crate::num::random;
+use crate::scheme::Contract;
+
+/// Steps after which a run is given up: its schedule may never end.
+const MOST_STEPS: usize = 100_000;
+
+/// The stream of the random numbers that choose among values.
+const STREAM: u64 = 0xA17E_44A7;
+
+/// Run an instance once, under a policy of the simulated device; where memory allows several values, one at random by
+/// the seed. The schedule, and the run; `None` if it does not end in time.
+///
+/// # Errors
+/// A recorded schedule that does not fit.
+pub(super) fn walk(
+    shader: &dyn Shader,
+    contract: &Contract,
+    litmus: &Litmus,
+    device: Device,
+    settings: &Settings,
+    limits: &Limits<'_>,
+) -> Result<Option<(Schedule, Run)>> {
+    let cells = Cells::new(shader.layout(), litmus.pixels);
+    let mut runner = Runner::new(shader, contract, &cells, litmus, device);
+    let mut policy = policy::make(settings)?;
+    let mut live = runner.live();
+    (0..32).filter(|i| live & (1 << i) != 0).for_each(|i| policy.admit(i));
+    let mut schedule = Schedule::new();
+    while live != 0 {
+        if schedule.len() == MOST_STEPS || (limits.cancelled)() {
+            return Ok(None);
+        }
+        let invocation = next(&mut *policy, &mut runner, live)?;
+        let Some(invocation) = invocation else { return Ok(None) };
+        let ways = runner.alternatives(invocation) as u64;
+        let pick = random::bits(settings.seed, STREAM, schedule.len() as u64) % ways;
+        let by = Move { invocation: invocation as u8, alternative: pick as u16 };
+        runner.step(by);
+        schedule.push(by);
+        let now = runner.live();
+        if now != live {
+            policy.retire(invocation as u32);
+        } else if runner.waits(invocation) {
+            policy.waits(invocation as u32);
+        }
+        live = now;
+    }
+    Ok(Some((schedule, runner.finish())))
+}
+
+/// Whoever the policy names among those that can move; `None` if nobody can.
+fn next(policy: &mut dyn Policy, runner: &mut Runner<'_>, live: u32) -> Result<Option<usize>> {
+    let can_move =
+        |runner: &mut Runner<'_>, i: usize| live & (1 << i) != 0 && runner.alternatives(i) > 0;
+    // A lane that waits for others is passed over; a policy that insists on it is not asked for ever.
+    for _ in 0..64 {
+        let slot = policy.next()? as usize;
+        if can_move(runner, slot) {
+            return Ok(Some(slot));
+        }
+    }
+    Ok((0..32).find(|&i| can_move(runner, i)))
+}

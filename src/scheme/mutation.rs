@@ -1,0 +1,165 @@
+//! The faults that are built in, as data: what shaders in the wild get wrong, and which variants of methods here get
+//! it wrong too, so that checks can be shown to find it.
+//!
+//! M1 to M19 were seen in public code. Faults with a name instead of a number are controls of our own.
+
+use serde::Serialize;
+
+/// A fault, and where it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Mutation {
+    /// M1 to M19, or a name.
+    pub id: &'static str,
+    /// One line.
+    pub text: &'static str,
+    /// The methods of the catalogue that have it.
+    pub variants: &'static [&'static str],
+    /// Why no method has it, if none does.
+    pub absent: Option<&'static str>,
+}
+
+const fn built_in(
+    id: &'static str,
+    text: &'static str,
+    variants: &'static [&'static str],
+) -> Mutation {
+    Mutation { id, text, variants, absent: None }
+}
+
+const fn absent(id: &'static str, text: &'static str, why: &'static str) -> Mutation {
+    Mutation { id, text, variants: &[], absent: Some(why) }
+}
+
+/// All of them, numbered ones first.
+pub const MUTATIONS: &[Mutation] = &[
+    built_in(
+        "M1",
+        "unlock by a plain or relaxed store, without a barrier",
+        &["kplus-array@M1", "kplus-array@M1-relaxed"],
+    ),
+    built_in(
+        "M2",
+        "lock or unlock by a relaxed read-modify-write",
+        &["kplus-array@M2", "kplus-array@M2-acquire"],
+    ),
+    built_in("M3", "a spin cap that drops the fragment silently", &["kplus-array@M3"]),
+    built_in("M4", "a time-out that frees a lock it does not own", &["kplus-array@M4"]),
+    built_in(
+        "M5",
+        "clearing the pixel outside the lock when the counter is 0",
+        &["kplus-array@M5"],
+    ),
+    built_in(
+        "M6",
+        "an early-out that reads counter, then farthest, in no order with their writes",
+        &["kplus-array@M6", "kplus-array@M6-early-count"],
+    ),
+    absent(
+        "M7",
+        "resolve sorts the first N of a list instead of the nearest N",
+        "needs a resolve that selects: no such method yet",
+    ),
+    absent(
+        "M8",
+        "overflow drops by arrival",
+        "the methods that promise the nearest have no overflow; ab-array promises just that",
+    ),
+    built_in("M9", "equal depth stops the insertion", &["kplus-array@M9"]),
+    absent(
+        "M10",
+        "the tail is blended outside the critical section, or without evicting",
+        "needs a tail: no such method yet",
+    ),
+    built_in("M11", "a node is published before it is written (equivalent here)", &["ab-ll@M11"]),
+    absent(
+        "M12",
+        "a switch between ordered and unordered that is not connected",
+        "needs an ordered form: no such method yet",
+    ),
+    absent("M13", "the age field overflows", "needs an age: no such method yet"),
+    built_in("M14", "a bound test with <= for <", &["ab-array@M14", "ab-ll@M14"]),
+    absent("M15", "a merge quantised to 8 bits in mid-stream", "needs a merge: no such method yet"),
+    absent(
+        "M16",
+        "depth computed by two formulas in two passes",
+        "needs two geometry passes: no such method yet",
+    ),
+    built_in(
+        "M17",
+        "a missing barrier between clear, store and resolve",
+        &["kplus-array@M17", "kplus-array@M17-resolve"],
+    ),
+    built_in("M18", "the far plane is rejected by the initial value 1.0", &["z-buffer@M18"]),
+    built_in("M19", "an unbounded spin under lockstep", &["kplus-array@M19"]),
+    built_in("one-test", "no second cull test inside the lock", &["kplus-array@one-test"]),
+    built_in(
+        "root-first",
+        "the farthest entry is overwritten before the new farthest is found",
+        &["kplus-array@root-first"],
+    ),
+    built_in(
+        "published-fixed-unlock",
+        "the published form with nothing mended but the lock",
+        &["kplus-array@published-fixed-unlock"],
+    ),
+    built_in(
+        "plain-counter",
+        "a counter raised by a load and a store",
+        &["ab-array@plain-counter"],
+    ),
+    built_in("plain-head", "a head replaced by a load and a store", &["ab-ll@plain-head"]),
+    built_in(
+        "load-store",
+        "a load, a comparison and a store for an atomic minimum",
+        &["z-buffer@load-store"],
+    ),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::{Contract, Form, contracts};
+
+    fn faulty() -> Vec<&'static Contract> {
+        contracts().into_iter().filter(|c| c.form == Form::Mutation).collect()
+    }
+
+    #[test]
+    fn every_fault_of_the_catalogue_belongs_to_one_mutation() {
+        for contract in faulty() {
+            let of: Vec<_> =
+                MUTATIONS.iter().filter(|m| m.variants.contains(&contract.name)).collect();
+            assert_eq!(of.len(), 1, "{}: {of:?}", contract.name);
+            let said = format!("Fault {}: ", of[0].id);
+            assert!(contract.title.starts_with(&said), "{}: {}", contract.name, contract.title);
+        }
+    }
+
+    #[test]
+    fn every_variant_exists() {
+        let names: Vec<_> = faulty().into_iter().map(|c| c.name).collect();
+        for mutation in MUTATIONS {
+            let unknown = mutation.variants.iter().find(|name| !names.contains(name));
+            assert_eq!(unknown, None, "{}", mutation.id);
+        }
+    }
+
+    #[test]
+    fn names_begin_with_their_mutation() {
+        for mutation in MUTATIONS {
+            for name in mutation.variants {
+                let fault = name.split('@').nth(1).expect("a fault");
+                let rest = fault.strip_prefix(mutation.id);
+                assert!(rest.is_some_and(|r| r.is_empty() || r.starts_with('-')), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_numbered_ones_are_all_there_and_absence_has_a_reason() {
+        for (number, mutation) in (1..=19).zip(MUTATIONS) {
+            assert_eq!(mutation.id, format!("M{number}"));
+        }
+        assert!(MUTATIONS.iter().all(|m| m.variants.is_empty() == m.absent.is_some()));
+    }
+}

@@ -1,0 +1,365 @@
+//! Who must be scheduled for everybody to end: the idioms of the published progress models (Sorensen et al., "Specifying
+//! and testing GPU workgroup progress models", OOPSLA 2021, Table 1), reconvergence of warps, helper invocations, and
+//! marks that claim too much.
+
+use fragloom::explore::check::termination;
+use fragloom::explore::progress::ends;
+use fragloom::explore::{
+    Device, Explored, Limits, Litmus, MemoryModel, Plan, Progress, Property, Row, Subject, Token,
+    Verdict, check, explore, replay, subject,
+};
+use fragloom::fragment::{Fragment, key};
+use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use fragloom::num::depth::FARTHEST;
+use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::lock::{FREE, SpinLock};
+use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+const LIMITS: Limits<'static> = Limits { states: 2_000_000, cancelled: &|| false };
+
+/// A lock, the critical section inside of the loop.
+const MUTEX: usize = 0;
+/// A lock, taken in a loop of its own.
+const SPINS_FIRST: usize = 1;
+/// A lock without blocks, so that nothing says where lanes come together.
+const NO_BLOCKS: usize = 2;
+/// Invocation 0 sets a flag; the others wait for it.
+const TO_HIGHER: usize = 3;
+/// The last invocation sets a flag; the others wait for it.
+const TO_LOWER: usize = 4;
+/// All wait until those who have arrived are the first so many: whoever is missing comes before one who has arrived.
+const LINEAR_BARRIER: usize = 5;
+/// All wait for all.
+const BARRIER: usize = 6;
+/// Nobody waits.
+const NO_WAIT: usize = 7;
+/// Who has failed `k` times gives up, and says all the same that every attempt is like the first.
+const COUNTS: usize = 8;
+
+const NAMES: [&str; 9] = [
+    "mutex",
+    "spins-first",
+    "no-blocks",
+    "to-higher",
+    "to-lower",
+    "linear-barrier",
+    "barrier",
+    "no-wait",
+    "counts",
+];
+
+/// An idiom. The fragment's data word is the invocation's number, for those idioms in which it matters.
+struct Waits<const IDIOM: usize> {
+    count: u32,
+    patience: u32,
+    lock: SpinLock,
+    flag: Words<Pixel, Atomic, u32>,
+    /// Entries so far, and their depths and data.
+    filled: Words<Pixel, Plain, u32>,
+    depth: Words<Pixel, Plain, u32>,
+    data: Words<Pixel, Plain, u32>,
+}
+
+impl<const IDIOM: usize> Waits<IDIOM> {
+    /// What the lock guards.
+    async fn append<M: Memory>(&self, mem: &M, fragment: Fragment) {
+        let pixel = fragment.pixel;
+        let place = mem.plain_load(self.filled.at(pixel, 0)).await;
+        mem.plain_store(self.depth.at(pixel, place), fragment.depth).await;
+        mem.plain_store(self.data.at(pixel, place), fragment.data).await;
+        mem.plain_store(self.filled.at(pixel, 0), place + 1).await;
+        self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
+    }
+
+    /// Until the flag is as asked for.
+    async fn wait<M: Memory>(&self, mem: &M, pixel: u32, until: impl Fn(u32) -> bool) {
+        let wait = mem.block();
+        let mark = mem.mark();
+        while !until(mem.load(self.flag.at(pixel, 0), Order::Acquire).await) {
+            mem.spin(mark).await;
+        }
+        mem.merge(wait).await;
+    }
+}
+
+impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
+    const CONTRACT: Contract = Contract {
+        name: NAMES[IDIOM],
+        title: "An idiom that waits",
+        paper: "",
+        section: "",
+        form: Form::Correct,
+        passes: 1,
+        words: "3 + 2F",
+        keeps: Keeps::All,
+        exact_when: "",
+        arrival_dependent: false,
+        racy: false,
+        ties: "",
+        overflow: "",
+        needs: "",
+        wgsl: None,
+        depth_format: None,
+        default_k: None,
+        max_k: u32::MAX,
+        demand: Demand::Nothing,
+        barriers: Barriers::ALL,
+        source: "",
+    };
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        Self {
+            count: config.generated as u32,
+            patience: config.k.unwrap_or(3),
+            lock: SpinLock::new(layout),
+            flag: layout.pixel(1),
+            filled: layout.pixel(1),
+            depth: layout.pixel(config.generated),
+            data: layout.pixel(config.generated),
+        }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        self.lock.clear(mem, pixel).await;
+        mem.store(self.flag.at(pixel, 0), 0, Order::Relaxed).await;
+        mem.plain_store(self.filled.at(pixel, 0), 0).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let (pixel, own) = (fragment.pixel, fragment.data);
+        let flag = self.flag.at(pixel, 0);
+        match IDIOM {
+            MUTEX => {
+                let _attempts = mem.block();
+                let mark = mem.mark();
+                loop {
+                    let attempt = mem.block();
+                    if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
+                        self.append(mem, fragment).await;
+                        return Outcome::Kept;
+                    }
+                    mem.merge(attempt).await;
+                    mem.spin(mark).await;
+                }
+            }
+            SPINS_FIRST => {
+                let wait = mem.block();
+                let mark = mem.mark();
+                while self.lock.try_acquire(mem, pixel, Order::Acquire).await != FREE {
+                    mem.spin(mark).await;
+                }
+                mem.merge(wait).await;
+                self.append(mem, fragment).await;
+            }
+            NO_BLOCKS | COUNTS => {
+                let mark = mem.mark();
+                let mut failures = 0;
+                while self.lock.try_acquire(mem, pixel, Order::Acquire).await != FREE {
+                    failures += 1;
+                    if IDIOM == COUNTS && failures == self.patience {
+                        return Outcome::Culled;
+                    }
+                    mem.spin(mark).await;
+                }
+                self.append(mem, fragment).await;
+            }
+            TO_HIGHER if own == 0 => mem.store(flag, 1, Order::Release).await,
+            TO_LOWER if own + 1 == self.count => mem.store(flag, 1, Order::Release).await,
+            TO_HIGHER | TO_LOWER => self.wait(mem, pixel, |flag| flag == 1).await,
+            LINEAR_BARRIER => {
+                mem.or(flag, 1 << own, Order::AcqRel).await;
+                self.wait(mem, pixel, |arrived| arrived & (arrived + 1) == 0).await;
+            }
+            BARRIER => {
+                mem.add(flag, 1, Order::AcqRel).await;
+                self.wait(mem, pixel, |arrived| arrived == self.count).await;
+            }
+            _ => {
+                let place = mem.add(flag, 1, Order::Relaxed).await;
+                mem.plain_store(self.depth.at(pixel, place), fragment.depth).await;
+                mem.plain_store(self.data.at(pixel, place), fragment.data).await;
+            }
+        }
+        Outcome::Kept
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let filled = match IDIOM {
+            NO_WAIT => mem.load(self.flag.at(pixel, 0), Order::Relaxed).await,
+            _ => mem.plain_load(self.filled.at(pixel, 0)).await,
+        };
+        for i in 0..filled {
+            let depth = mem.plain_load(self.depth.at(pixel, i)).await;
+            keys.push(key(depth, mem.plain_load(self.data.at(pixel, i)).await));
+        }
+    }
+}
+
+fn instance(n: u32, k: Option<u32>) -> Litmus {
+    let fragments = (0..n).map(|i| (0, FARTHEST, i)).collect();
+    Litmus { pixels: 1, k, room: n, fragments, helpers: 0 }
+}
+
+/// Under which models an idiom ends.
+fn who_ends<const IDIOM: usize>(n: u32, warp: Option<u32>) -> String {
+    let subject = Subject::of::<Waits<IDIOM>>();
+    let found = ends(&subject, &instance(n, None), warp, &LIMITS).expect("few states");
+    println!("{} n={n} warp {warp:?}: {} states", NAMES[IDIOM], found.states);
+    let models = Progress::ALL.iter().zip(&found.lassos);
+    models.filter(|(_, lasso)| lasso.is_none()).map(|(m, _)| m.name()).collect::<Vec<_>>().join(" ")
+}
+
+const ALL: &str = "unfair hsa obe hsa+obe lobe fair";
+
+/// The mutex needs that who has begun goes on; a message to a higher number, that lower ones get their turn; a message
+/// to a lower number, that all do.
+#[test]
+fn the_published_table() {
+    for n in [2, 3] {
+        assert_eq!(who_ends::<MUTEX>(n, None), "obe hsa+obe lobe fair");
+        assert_eq!(who_ends::<SPINS_FIRST>(n, None), "obe hsa+obe lobe fair");
+        assert_eq!(who_ends::<NO_BLOCKS>(n, None), "obe hsa+obe lobe fair");
+        assert_eq!(who_ends::<TO_HIGHER>(n, None), "hsa hsa+obe lobe fair");
+        assert_eq!(who_ends::<TO_LOWER>(n, None), "fair");
+        assert_eq!(who_ends::<BARRIER>(n, None), "fair");
+        assert_eq!(who_ends::<NO_WAIT>(n, None), ALL);
+    }
+}
+
+/// What only linear occupancy-bound execution and full fairness give: 2 has arrived, 0 waits for 1, and nobody else has
+/// to schedule 1, which is neither the lowest nor has it begun. With two invocations the lowest is the missing one.
+#[test]
+fn the_linear_barrier() {
+    assert_eq!(who_ends::<LINEAR_BARRIER>(2, None), "hsa hsa+obe lobe fair");
+    assert_eq!(who_ends::<LINEAR_BARRIER>(3, None), "lobe fair");
+}
+
+/// Lanes that leave a spin loop wait for those that cannot, since the holder of the lock is among those who wait. With the
+/// critical section inside of it, those who fail wait for the holder instead, and nobody goes round in vain.
+#[test]
+fn a_loop_before_the_critical_section_hangs_a_warp() {
+    for n in [2, 3] {
+        assert_eq!(who_ends::<SPINS_FIRST>(n, Some(32)), "");
+        assert_eq!(who_ends::<MUTEX>(n, Some(32)), ALL);
+    }
+    assert_eq!(who_ends::<SPINS_FIRST>(2, Some(1)), "obe hsa+obe lobe fair", "a warp of one lane");
+    assert_eq!(who_ends::<SPINS_FIRST>(3, Some(2)), "", "two of them");
+}
+
+fn plan(progress: &[Progress], helpers: u32) -> Plan {
+    let (fragments, ks) = (Some(2), vec![1]);
+    Plan { fragments, ks, progress: progress.to_vec(), helpers, ..Plan::default() }
+}
+
+fn row<'a>(rows: &'a [Row], progress: &str) -> &'a Row {
+    let row = rows.iter().find(|row| row.progress.as_deref() == Some(progress));
+    row.unwrap_or_else(|| panic!("no row for {progress}"))
+}
+
+/// The row is violated by a schedule that never ends, and its token shows it again.
+#[track_caller]
+fn hangs(subject: &Subject, row: &Row) {
+    assert_eq!(row.verdict, Verdict::Violated, "{row:?}");
+    let token = row.token.as_ref().expect("a token").parse().expect("a token of ours");
+    let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
+    let shown = replay::replay_of(subject, &token).expect("the same operations");
+    assert!(shown.run.end.is_none(), "somebody has not ended");
+    println!("{}, {:?}: {}, {}", row.method, row.progress, row.instance, row.message);
+    match row.message.strip_prefix("after ") {
+        Some(_) => assert!(row.message.ends_with("nobody can move any more") && shown.cycle == 0),
+        None => assert!(row.message.starts_with("never ends: ") && shown.cycle > 0, "{row:?}"),
+    }
+}
+
+#[test]
+fn a_check_says_which_lock_hangs_a_warp() {
+    let (right, wrong) = (Subject::of::<Waits<MUTEX>>(), Subject::of::<Waits<SPINS_FIRST>>());
+    let plan = plan(&[Progress::Hsa, Progress::Fair], 0);
+    let rows = termination(&right, &plan, &LIMITS);
+    assert_eq!(row(&rows, "fair").verdict, Verdict::Verified);
+    assert_eq!(row(&rows, "simt").verdict, Verdict::Verified);
+    hangs(&right, row(&rows, "hsa"));
+    let rows = termination(&wrong, &plan, &LIMITS);
+    assert_eq!(row(&rows, "fair").verdict, Verdict::Verified);
+    hangs(&wrong, row(&rows, "simt"));
+}
+
+/// The same of methods of the catalogue.
+#[test]
+fn an_unbounded_spin_under_lockstep_is_found() {
+    let (right, wrong) = (subject("kplus-array"), subject("kplus-array@M19"));
+    let (right, wrong) = (right.expect("a method"), wrong.expect("a method"));
+    let plan = plan(&[Progress::Fair], 0);
+    let rows = termination(&right, &plan, &LIMITS);
+    assert!(rows.iter().all(|row| row.verdict == Verdict::Verified), "{rows:?}");
+    let rows = termination(&wrong, &plan, &LIMITS);
+    assert_eq!(row(&rows, "fair").verdict, Verdict::Verified);
+    hangs(&wrong, row(&rows, "simt"));
+}
+
+/// A helper's exchange may return anything, for ever; the others are not harmed by it.
+#[test]
+fn a_helper_may_never_get_the_lock() {
+    let subject = Subject::of::<Waits<MUTEX>>();
+    let rows = termination(&subject, &plan(&[Progress::Obe, Progress::Fair], 1), &LIMITS);
+    hangs(&subject, row(&rows, "obe"));
+    hangs(&subject, row(&rows, "fair"));
+    assert!(row(&rows, "fair").instance.contains("helpers=1"), "{rows:?}");
+    for with_helper in
+        [Subject::of::<Waits<NO_WAIT>>(), self::subject("z-buffer").expect("a method")]
+    {
+        let rows = termination(&with_helper, &plan(&[Progress::Fair], 1), &LIMITS);
+        assert!(rows.iter().all(|row| row.verdict == Verdict::Verified), "{rows:?}");
+    }
+}
+
+/// Its writes have no effect, and what it believes to hold it does not.
+#[test]
+fn a_helper_changes_nothing() {
+    let plan = Plan { simt: false, fragments: Some(3), ks: vec![1, 2], ..plan(&[], 1) };
+    for method in ["kplus-array", "z-buffer", "ab-ll", "ab-array"] {
+        let rows = check(&subject(method).expect("a method"), &plan, &LIMITS);
+        assert!(rows.len() > 5, "{rows:?}");
+        for row in rows {
+            assert_eq!(row.verdict, Verdict::Verified, "{row:?}");
+        }
+    }
+}
+
+/// Without blocks nothing is known about where lanes come together: no verdict, and that is said.
+#[test]
+fn waits_in_no_block_have_no_verdict_under_simt() {
+    let rows =
+        termination(&Subject::of::<Waits<NO_BLOCKS>>(), &plan(&[Progress::Fair], 0), &LIMITS);
+    assert_eq!(row(&rows, "fair").verdict, Verdict::Verified);
+    let simt = row(&rows, "simt");
+    assert_eq!(simt.verdict, Verdict::Unknown);
+    assert!(simt.message.contains("1 waits stand in no block"), "{simt:?}");
+}
+
+fn explored<const IDIOM: usize>(n: u32, k: u32) -> Explored {
+    let device = Device { memory: MemoryModel::Sequential, warp: None };
+    explore(&Subject::of::<Waits<IDIOM>>(), &instance(n, Some(k)), device, &LIMITS)
+}
+
+/// An invocation that counts its attempts is not where it was before. Search would take it for that, and never see it
+/// give up; it is told by repeating the wait.
+#[test]
+fn a_mark_that_claims_too_much_is_found() {
+    for patience in 2..=16 {
+        let found = explored::<COUNTS>(2, patience);
+        let message = &found.violations[&Property::Invariant].message;
+        assert!(message.contains("a mark claims more than is true"), "{message}");
+        assert!(message.contains("progress.rs"), "{message}");
+    }
+    for honest in [explored::<MUTEX>(3, 1), explored::<NO_BLOCKS>(3, 1)] {
+        assert!(!honest.violations.contains_key(&Property::Invariant), "{honest:?}");
+        assert!(honest.claims > 30, "{} comparisons", honest.claims);
+    }
+    let at_once = explored::<COUNTS>(2, 1);
+    assert!(at_once.claims == 0 && !at_once.violations.contains_key(&Property::Invariant));
+    let plan = Plan { memory: vec![MemoryModel::Sequential], ..plan(&[], 0) };
+    let rows = check(&Subject::of::<Waits<COUNTS>>(), &plan, &LIMITS);
+    let invariant = rows.iter().find(|row| row.property.as_deref() == Some("invariant"));
+    assert_eq!(invariant.map(|row| row.verdict), Some(Verdict::Violated), "{rows:?}");
+}
