@@ -16,7 +16,7 @@ use super::progress::Progress;
 use super::property::Property;
 use super::shader::{Subject, subject};
 use super::verdict::Verdict;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scheme::contract::{Contract, Form};
 use crate::scheme::contracts;
 use crate::scheme::mutation::MUTATIONS;
@@ -100,6 +100,9 @@ pub struct Line {
 /// There is no such fault, or it is not built in.
 pub fn matrix(only: Option<&str>, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Line>> {
     let mut lines = Vec::new();
+    if let Some(id) = only {
+        built_in(id)?;
+    }
     if only.is_none() {
         let correct = contracts().into_iter().filter(|c| c.form == Form::Correct);
         for contract in correct.filter(|c| c.name != "exact") {
@@ -113,6 +116,20 @@ pub fn matrix(only: Option<&str>, plan: &Plan, limits: &Limits<'_>) -> Result<Ve
         }
     }
     Ok(lines)
+}
+
+/// Whether a method has the fault of that id.
+fn built_in(id: &str) -> Result<()> {
+    let known = MUTATIONS.iter().find(|m| m.id.eq_ignore_ascii_case(id));
+    match known.map(|mutation| mutation.absent) {
+        Some(None) => Ok(()),
+        Some(Some(why)) => Err(Error::new("--mutation", format!("no method has {id}: {why}"))),
+        None => {
+            let ids: Vec<&str> = MUTATIONS.iter().map(|m| m.id).collect();
+            let problem = format!("no fault is called {id:?}; there are {}", ids.join(", "));
+            Err(Error::new("--mutation", problem))
+        }
+    }
 }
 
 /// A form without fault.
