@@ -14,7 +14,9 @@ fn help_exists_for_the_program_and_every_command() {
     let dir = Dir::new();
     let help = dir.run("--help");
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
-    for command in ["render", "compare", "methods", "mutations", "scenes"] {
+    for command in
+        ["render", "compare", "check", "replay", "claims", "methods", "mutations", "scenes"]
+    {
         assert!(help.stdout.contains(command), "{command}");
         let help = dir.run(&format!("{command} --help"));
         assert_eq!((help.code, help.stderr.as_str()), (0, ""), "{command}");

@@ -141,9 +141,9 @@ impl Survey {
     /// Complete interleavings in all, if they could be counted.
     #[must_use]
     pub fn executions(&self) -> Option<u64> {
-        let sum = |sum: u128, executions: Option<u128>| sum.checked_add(executions?);
-        let all = self.explored.iter().map(|(_, e)| e.executions);
-        all.fold(Some(0), |total, e| sum(total?, e)).and_then(|n| u64::try_from(n).ok())
+        let mut all = self.explored.iter().map(|(_, e)| e.executions);
+        let sum = all.try_fold(0u128, |sum, executions| sum.checked_add(executions?));
+        sum.and_then(|n| u64::try_from(n).ok())
     }
 
     /// The smallest instance that violates a property: by n, k, and then steps.

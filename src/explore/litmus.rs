@@ -149,7 +149,7 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     };
     let short = contract.demand != Demand::Nothing && n > 1;
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
-    let spread: u32 = if n >= 2 && n <= 3 { n } else { 1 };
+    let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
     let mut all = Vec::new();
     for &k in &ks {
         for &room in &rooms {

@@ -1,7 +1,7 @@
 //! Verify or refute: what a method does under every interleaving.
 //!
 //! A check asks whether a method keeps its contract, whatever its invocations' timing. It makes small programs from
-//! the contract ([`litmus`]), explores them under a memory model ([`exhaustive`]), and answers *verified* with its
+//! the contract ([`litmus`]), explores them under a memory model ([`explore`]), and answers *verified* with its
 //! bound, *violated* with a schedule that can be run again, or *unknown*.
 
 pub mod check;

@@ -1,0 +1,105 @@
+//! The simulated device: priorities, passes without barriers, and a pixel that is watched.
+
+mod support;
+
+use fragloom::explore::minimise::minimise_scene;
+use fragloom::explore::replay::replay;
+use fragloom::explore::{Limits, Token};
+use fragloom::render::{Exec, Options, Policy, Rendering, Sim};
+use fragloom::scene::Scene;
+use support::{draw, options, scene, sim, small_scenes};
+
+/// Layers in random order on few pixels, so that invocations of a pixel overlap.
+fn crowded() -> Scene {
+    scene("synthetic:n=24,density=100", [5, 5])
+}
+
+fn under(method: &str, policy: Policy, seed: u64) -> Rendering {
+    draw(&crowded(), &Options { exec: sim(policy, seed), ..options(method, Some(3)) })
+}
+
+#[test]
+fn priorities_lose_nothing_that_must_stay() {
+    for scene in small_scenes() {
+        let exact = draw(&scene, &options("exact", Some(3))).lists;
+        for depth in [1, 3, 20] {
+            let exec = sim(Policy::Pct(depth), 5);
+            let drawn = draw(&scene, &Options { exec, ..options("kplus-array", Some(3)) });
+            assert_eq!(drawn.lists, exact, "{} pct:{depth}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn priorities_find_what_a_race_loses_and_a_seed_repeats_it() {
+    let lost = |seed| {
+        let drawn = under("kb", Policy::Pct(3), seed);
+        assert_eq!(drawn.lists, under("kb", Policy::Pct(3), seed).lists);
+        drawn.report.dropped.get("lost").copied().unwrap_or(0)
+    };
+    let lost: Vec<u64> = (0..24).map(lost).collect();
+    println!("kb, k = 3, pct:3: lost by seed {lost:?}");
+    assert!(lost.iter().any(|&n| n > 0));
+}
+
+/// M17: without a barrier, a pixel is cleared after something was stored, or read before all was.
+#[test]
+fn a_missing_barrier_shows() {
+    let exact = draw(&crowded(), &options("exact", Some(3))).lists;
+    for method in ["kplus-array@M17", "kplus-array@M17-resolve"] {
+        // Few invocations in flight run ahead of few others; many, of many.
+        let wrong = (0..12).filter(|&seed| under(method, Policy::Random, seed).lists != exact);
+        assert!(wrong.count() > 0, "{method}");
+    }
+    let right = (0..12).all(|seed| under("kplus-array", Policy::Random, seed).lists == exact);
+    assert!(right, "with its barriers the same method is right");
+}
+
+#[test]
+fn a_watched_pixel_is_told_fragment_by_fragment() {
+    let scene = crowded();
+    let watched = |pixel, method| {
+        let settings = Sim { resident: 96, watch: Some(pixel), ..Sim::default() };
+        let exec = Exec::Sim(settings);
+        let drawn = draw(&scene, &Options { exec, ..options(method, Some(3)) });
+        (drawn.watched.expect("it was asked for"), drawn.lists)
+    };
+    let exact = draw(&scene, &options("exact", None)).lists;
+    for pixel in [[0, 0], [4, 2]] {
+        let (told, lists) = watched(pixel, "kplus-array");
+        let mut keys: Vec<u64> = told.fragments.iter().map(|f| f.key()).collect();
+        keys.sort_unstable();
+        assert_eq!(keys, exact.pixel(pixel[0], pixel[1]));
+        assert_eq!(lists, draw(&scene, &options("exact", Some(3))).lists);
+        let steps = |i: u32| told.steps.iter().filter(|&&s| s == i).count();
+        assert!((0..24).all(|i| steps(i) >= 2), "each performs operations: {:?}", told.steps);
+    }
+    let outside = Exec::Sim(Sim { watch: Some([9, 9]), ..Sim::default() });
+    assert_eq!(draw(&scene, &Options { exec: outside, ..options("kb", None) }).watched, None);
+}
+
+/// From thousands of invocations to a handful of steps.
+#[test]
+fn a_scene_that_fails_is_cut_down_to_a_pixel() {
+    let scene = scene("cubes", [64, 48]);
+    let limits = Limits { states: 500_000, cancelled: &|| false };
+    for (method, most) in [("kb", 2), ("kplus-array@one-test", 3), ("kplus-array@published", 4)] {
+        let exec = Exec::Sim(Sim { resident: 1_024, seed: 3, ..Sim::default() });
+        let options = Options { exec, ..options(method, Some(2)) };
+        let Ok(token) = minimise_scene(&scene, &options, &limits) else {
+            panic!("{method} fails on this scene")
+        };
+        let n = token.litmus.fragments.len();
+        println!(
+            "{method}: {n} fragments, {} steps: {}",
+            token.schedule().len(),
+            Token::Litmus(token.clone())
+        );
+        assert!(n <= most, "{method}: {}", token.litmus.describe());
+        let replayed = replay(&token).expect("it is what it was made of");
+        assert!(replayed.run.violations().any(|(p, _)| p.name() == token.property));
+    }
+    let fine = Options { exec: sim(Policy::Random, 0), ..options("kplus-array", Some(2)) };
+    let refused = minimise_scene(&scene, &fine, &limits).map_err(|e| e.to_string());
+    assert!(refused.is_err_and(|e| e.contains("no difference")), "nothing to cut down");
+}
