@@ -478,6 +478,21 @@ const PROGRAMS: &[Program] = &[
         ],
     )
     .finals(&[D]),
+    Program::new(
+        "lock, three threads, taken by exchanges that release too",
+        &[
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 1, PLAIN), Write(X, 0, REL)],
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 2, PLAIN), Write(X, 0, REL)],
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 3, PLAIN), Write(X, 0, REL)],
+        ],
+        [
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
+            races(Lack(27, "1,1,1|1")),
+        ],
+    )
+    .finals(&[D]),
     // Races.
     Program::new(
         "two plain writes",

@@ -1,9 +1,6 @@
 //! Tokens: whatever happens to one on its way, it is refused with a reason, or it is the one that was sent.
 
-use fragloom::explore::{
-    Device, Limits, Litmus, MemoryModel, Plan, Profile, Row, Subject, Token, check, explore,
-    replay, subject,
-};
+use fragloom::explore::{Limits, Plan, Row, Token, check, replay, subject};
 use proptest::prelude::*;
 
 const LIMITS: Limits<'static> = Limits { states: 1_000_000, cancelled: &|| false };

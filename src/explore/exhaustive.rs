@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::forest::{NodeId, Step};
+use super::forest::NodeId;
 use super::litmus::Litmus;
 use super::machine::{Device, Final, Machine, Moved};
 use super::model::MemoryModel;
