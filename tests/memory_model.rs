@@ -414,6 +414,14 @@ const PROGRAMS: &[Program] = &[
         ],
         ordered("0,0-- 0,101", races(Are("0,0-- 0,100 0,101"))),
     ),
+    Program::new(
+        "an update that changes nothing releases",
+        &[
+            &[Write(Y, 1, RLX), Op::Update(X, Update::Or(0), Order::AcqRel)],
+            &[exchange(X, 1, Order::AcqRel), Read(Y, RLX)],
+        ],
+        ordered("0,01 1,00 1,01", allows(Are("0,00 0,01 1,00 1,01"))),
+    ),
     // Locks: a waiter's exchanges find their own value, and must not make states without end.
     Program::new(
         "lock, acquire and release",
