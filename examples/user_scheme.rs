@@ -109,7 +109,8 @@ fn main() -> ExitCode {
     for row in &rows {
         let property = row.property.as_deref().unwrap_or_default();
         let under = row.progress.as_deref().or(row.profile.as_deref()).unwrap_or(&row.memory);
-        println!("{:8}  {property:12}  {under:8}  {}", row.verdict.name(), row.message);
+        let note = if row.message.is_empty() { &row.bound } else { &row.message };
+        println!("{:8}  {property:12}  {under:8}  {note}", row.verdict.name());
         if let Some(token) = &row.token {
             println!("          shown by {token}");
         }

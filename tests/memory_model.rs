@@ -414,6 +414,14 @@ const PROGRAMS: &[Program] = &[
         ],
         ordered("0,0-- 0,101", races(Are("0,0-- 0,100 0,101"))),
     ),
+    Program::new(
+        "an update that changes nothing releases",
+        &[
+            &[Write(Y, 1, RLX), Op::Update(X, Update::Or(0), Order::AcqRel)],
+            &[exchange(X, 1, Order::AcqRel), Read(Y, RLX)],
+        ],
+        ordered("0,01 1,00 1,01", allows(Are("0,00 0,01 1,00 1,01"))),
+    ),
     // Locks: a waiter's exchanges find their own value, and must not make states without end.
     Program::new(
         "lock, acquire and release",
@@ -474,6 +482,21 @@ const PROGRAMS: &[Program] = &[
             allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
             // The second section sees the first or nothing, the third any of both or nothing: 6 results for each of 6
             // orders; of two orders with the same third section, 3 results are the same.
+            races(Lack(27, "1,1,1|1")),
+        ],
+    )
+    .finals(&[D]),
+    Program::new(
+        "lock, three threads, taken by exchanges that release too",
+        &[
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 1, PLAIN), Write(X, 0, REL)],
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 2, PLAIN), Write(X, 0, REL)],
+            &[Lock(X, Order::AcqRel), Read(D, PLAIN), Write(D, 3, PLAIN), Write(X, 0, REL)],
+        ],
+        [
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
+            allows(Are("0,1,2|3 0,3,1|2 2,0,1|3 2,3,0|1 3,0,2|1 3,1,0|2")),
             races(Lack(27, "1,1,1|1")),
         ],
     )

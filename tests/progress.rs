@@ -316,7 +316,8 @@ fn a_helper_may_never_get_the_lock() {
 /// Its writes have no effect, and what it believes to hold it does not.
 #[test]
 fn a_helper_changes_nothing() {
-    let plan = Plan { simt: false, fragments: Some(3), ks: vec![1, 2], ..plan(&[], 1) };
+    let memory = vec![MemoryModel::Sequential];
+    let plan = Plan { simt: false, memory, fragments: Some(3), ks: vec![1, 2], ..plan(&[], 1) };
     for method in ["kplus-array", "z-buffer", "ab-ll", "ab-array"] {
         let rows = check(&subject(method).expect("a method"), &plan, &LIMITS);
         assert!(rows.len() > 5, "{rows:?}");

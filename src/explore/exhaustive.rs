@@ -181,11 +181,15 @@ impl<'a> Search<'a> {
         }
         let one = !property::overflows(self.machine.contract, self.machine.litmus);
         if one && outcomes.len() > 1 {
-            // Of the first two results, that which is met later is the surprise.
-            let mut states: Vec<StateId> = outcomes.values().copied().collect();
+            // The first one that is not the right one; or, if all are right in some way, the second.
+            let expected = property::expected(self.machine.contract, self.machine.litmus);
+            let mut states: Vec<(bool, StateId)> =
+                outcomes.iter().map(|(lists, &state)| (*lists == expected, state)).collect();
             states.sort_unstable();
+            let has_right = states.iter().any(|s| s.0);
+            let shown = if has_right { states[0].1 } else { states[1].1 };
             let message = format!("{} different results", outcomes.len());
-            self.violations.insert(Property::OneOutcome, (states[1], None, message));
+            self.violations.insert(Property::OneOutcome, (shown, None, message));
         }
         let violations = std::mem::take(&mut self.violations).into_iter();
         let violations = violations.map(|(property, (state, last, message))| {

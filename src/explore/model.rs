@@ -53,7 +53,7 @@ impl MemoryModel {
     pub fn bound(self) -> &'static str {
         match self {
             Self::Sequential => "sequentially consistent",
-            Self::Relaxed(_) => "relaxed, without load buffering and 2+2W",
+            Self::Relaxed(_) => "relaxed, without load buffering, 2+2W and S",
         }
     }
 }

@@ -400,10 +400,11 @@ mod tests {
                         }
                     }
                 }
-                let reaches = &reaches;
-                let with = |a: usize| (0..STATES).filter(move |&b| reaches[a][b] && reaches[b][a]);
+                let with = |a: usize| -> Vec<usize> {
+                    (0..STATES).filter(|&b| reaches[a][b] && reaches[b][a]).collect()
+                };
                 let mut expected: Vec<Vec<usize>> =
-                    (0..STATES).filter(|&a| reaches[a][a]).map(|a| with(a).collect()).collect();
+                    (0..STATES).filter(|&a| reaches[a][a]).map(with).collect();
                 expected.sort();
                 expected.dedup();
                 let found = look(Graph::of(STATES, &edges), |endings| endings.parts(set));

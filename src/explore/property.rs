@@ -158,6 +158,17 @@ fn keeps(
     (!right).then(|| format!("{} instead of {}", keys(list), keys(expected)))
 }
 
+/// What every pixel should hold, where the contract leaves no choice.
+pub(super) fn expected(contract: &Contract, litmus: &Litmus) -> Vec<Vec<u64>> {
+    let k = contract.reference_k(litmus.k).map_or(usize::MAX, |k| k as usize);
+    let pixel = |pixel: u32| {
+        let mut keys = litmus.generated(pixel);
+        keys.truncate(k);
+        keys
+    };
+    (0..litmus.pixels).map(pixel).collect()
+}
+
 /// Whether one sorted list's entries are among another's.
 fn is_part(part: &[u64], whole: &[u64]) -> bool {
     let mut rest = whole.iter();

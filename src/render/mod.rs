@@ -175,28 +175,16 @@ impl Visitor for Run<'_> {
     type Output = Result<Executed>;
 
     fn scheme<S: Scheme>(self) -> Result<Executed> {
-        let mut layout = Layout::default();
-        let scheme = S::new(&self.config, &mut layout);
-        limits::storage(self.options, self.job, &layout)?;
-        let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
-        let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
-        let mut executed =
-            Executed { frame: Frame::default(), bytes, exec, schedule: None, watched: None };
-        executed.frame = match (&self.options.exec, self.options.counters) {
-            (Exec::Tile, true) => exec::tile::run::<S, Counters>(&scheme, &layout, self.job),
-            (Exec::Tile, false) => exec::tile::run::<S, ()>(&scheme, &layout, self.job),
-            (Exec::Threads, true) => exec::threads::run::<S, Counters>(&scheme, &layout, self.job),
-            (Exec::Threads, false) => exec::threads::run::<S, ()>(&scheme, &layout, self.job),
-            (Exec::Sim(sim), counted) => {
-                let run = if counted {
-                    self.simulate::<S, Counters>(&scheme, &layout, sim)?
-                } else {
-                    self.simulate::<S, ()>(&scheme, &layout, sim)?
-                };
-                (executed.schedule, executed.watched) = (run.schedule, run.watched);
-                run.frame
-            }
-        };
+        if self.options.counters { self.run::<S, Counters>() } else { self.run::<S, ()>() }
+    }
+
+    /// Counted in any case; what was not asked for is left out.
+    fn fault<S: Scheme>(self) -> Result<Executed> {
+        let counters = self.options.counters;
+        let mut executed = self.run::<S, Counters>()?;
+        if !counters {
+            executed.frame.counters = Counters::default();
+        }
         Ok(executed)
     }
 
@@ -208,6 +196,26 @@ impl Visitor for Run<'_> {
 }
 
 impl Run<'_> {
+    fn run<S: Scheme, O: Observer + Default>(&self) -> Result<Executed> {
+        let mut layout = Layout::default();
+        let scheme = S::new(&self.config, &mut layout);
+        limits::storage(self.options, self.job, &layout)?;
+        let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
+        let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
+        let mut executed =
+            Executed { frame: Frame::default(), bytes, exec, schedule: None, watched: None };
+        executed.frame = match &self.options.exec {
+            Exec::Tile => exec::tile::run::<S, O>(&scheme, &layout, self.job),
+            Exec::Threads => exec::threads::run::<S, O>(&scheme, &layout, self.job),
+            Exec::Sim(sim) => {
+                let run = self.simulate::<S, O>(&scheme, &layout, sim)?;
+                (executed.schedule, executed.watched) = (run.schedule, run.watched);
+                run.frame
+            }
+        };
+        Ok(executed)
+    }
+
     fn simulate<S: Scheme, O: Observer + Default>(
         &self,
         scheme: &S,

@@ -18,14 +18,27 @@ pub trait Visitor {
     /// With a scheme.
     fn scheme<S: Scheme + Send + 'static>(self) -> Self::Output;
 
+    /// With a built-in fault: a scheme too, but one that nobody hurries, so that a visitor may spare the compiler some
+    /// of its forms.
+    fn fault<S: Scheme + Send + 'static>(self) -> Self::Output
+    where
+        Self: Sized,
+    {
+        self.scheme::<S>()
+    }
+
     /// With the oracle, which is not a scheme.
     fn exact(self) -> Self::Output;
 }
 
 macro_rules! catalogue {
-    ($($scheme:ty,)*) => {
+    (methods { $($scheme:ty,)* } faults { $($fault:ty,)* }) => {
         /// Every method's contract; the oracle comes first.
-        pub const CONTRACTS: &[Contract] = &[exact::CONTRACT, $(<$scheme as Scheme>::CONTRACT,)*];
+        pub const CONTRACTS: &[Contract] = &[
+            exact::CONTRACT,
+            $(<$scheme as Scheme>::CONTRACT,)*
+            $(<$fault as Scheme>::CONTRACT,)*
+        ];
 
         /// Visit the method of that name.
         ///
@@ -38,41 +51,48 @@ macro_rules! catalogue {
             $(if name == <$scheme as Scheme>::CONTRACT.name {
                 return Ok(visitor.scheme::<$scheme>());
             })*
+            $(if name == <$fault as Scheme>::CONTRACT.name {
+                return Ok(visitor.fault::<$fault>());
+            })*
             Err(unknown(name))
         }
     };
 }
 
 catalogue! {
-    ZBuffer,
-    AbArray<AtomicAdd>,
-    AbLinkedList,
-    KBuffer,
-    KPlusArray<Correct>,
-    KPlusArrayPublished,
-    ZBuffer<z_buffer::ClearedToFarPlane>,
-    ZBuffer<z_buffer::LoadStore>,
-    AbArray<ab_array::OneTooMany>,
-    AbArray<ab_array::LoadStore>,
-    AbLinkedList<ab_ll::PublishedFirst>,
-    AbLinkedList<ab_ll::OneTooMany>,
-    AbLinkedList<ab_ll::PlainHead>,
-    KPlusArray<faults::PlainUnlock>,
-    KPlusArray<faults::RelaxedUnlock>,
-    KPlusArray<faults::RelaxedExchange>,
-    KPlusArray<faults::RelaxedLock>,
-    KPlusArray<faults::SpinCap>,
-    KPlusArray<faults::TimeOut>,
-    KPlusArray<faults::ClearsOutside>,
-    KPlusArray<faults::RelaxedCounter>,
-    KPlusArray<faults::EarlyCount>,
-    KPlusArray<faults::EqualDepthStops>,
-    KPlusArray<faults::NoBarrierBeforeStore>,
-    KPlusArray<faults::NoBarrierBeforeResolve>,
-    KPlusArray<faults::SpinsFirst>,
-    KPlusArray<faults::OneTest>,
-    KPlusArray<faults::RootFirst>,
-    KPlusArrayPublished<OrderedUnlock>,
+    methods {
+        ZBuffer,
+        AbArray<AtomicAdd>,
+        AbLinkedList,
+        KBuffer,
+        KPlusArray<Correct>,
+        KPlusArrayPublished,
+    }
+    faults {
+        ZBuffer<z_buffer::ClearedToFarPlane>,
+        ZBuffer<z_buffer::LoadStore>,
+        AbArray<ab_array::OneTooMany>,
+        AbArray<ab_array::LoadStore>,
+        AbLinkedList<ab_ll::PublishedFirst>,
+        AbLinkedList<ab_ll::OneTooMany>,
+        AbLinkedList<ab_ll::PlainHead>,
+        KPlusArray<faults::PlainUnlock>,
+        KPlusArray<faults::RelaxedUnlock>,
+        KPlusArray<faults::RelaxedExchange>,
+        KPlusArray<faults::RelaxedLock>,
+        KPlusArray<faults::SpinCap>,
+        KPlusArray<faults::TimeOut>,
+        KPlusArray<faults::ClearsOutside>,
+        KPlusArray<faults::RelaxedCounter>,
+        KPlusArray<faults::EarlyCount>,
+        KPlusArray<faults::EqualDepthStops>,
+        KPlusArray<faults::NoBarrierBeforeStore>,
+        KPlusArray<faults::NoBarrierBeforeResolve>,
+        KPlusArray<faults::SpinsFirst>,
+        KPlusArray<faults::OneTest>,
+        KPlusArray<faults::RootFirst>,
+        KPlusArrayPublished<OrderedUnlock>,
+    }
 }
 
 /// Every method's contract; the oracle comes first.
