@@ -58,6 +58,23 @@ fn a_missing_barrier_shows() {
     assert!((0..6).all(|seed| is_right("kplus-array", seed)), "with its barriers it is right");
 }
 
+/// Where passes overlap, the steps told are still those of stores alone.
+#[test]
+fn a_pixel_is_watched_where_passes_overlap() {
+    let exact = draw(&crowded(), &options("exact", None)).lists;
+    for method in ["kplus-array", "kplus-array@M17", "kplus-array@M17-resolve"] {
+        let exec = Exec::Sim(Sim { resident: 96, watch: Some([1, 3]), ..Sim::default() });
+        let drawn = draw(&crowded(), &Options { exec, ..options(method, Some(3)) });
+        let told = drawn.watched.expect("it was asked for");
+        let mut keys: Vec<u64> = told.fragments.iter().map(|f| f.key()).collect();
+        keys.sort_unstable();
+        assert_eq!(keys, exact.pixel(1, 3), "{method}");
+        let steps = |i: u32| told.steps.iter().filter(|&&s| s == i).count();
+        assert!((0..24).all(|i| steps(i) >= 2), "{method}: {:?}", told.steps);
+        assert!(told.steps.len() > 24 * 2 && told.steps.iter().all(|&s| s < 24), "{method}");
+    }
+}
+
 #[test]
 fn a_watched_pixel_is_told_fragment_by_fragment() {
     let scene = crowded();

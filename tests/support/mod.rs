@@ -25,9 +25,10 @@ pub(crate) fn sim(policy: Policy, seed: u64) -> Exec {
     Exec::Sim(Sim { policy, seed, resident: 96, record: false, watch: None })
 }
 
-/// The five policies.
-pub(crate) fn policies() -> [Policy; 5] {
-    [Policy::Order, Policy::Reverse, Policy::RoundRobin, Policy::Random, Policy::Warp(8)]
+/// The policies that are not recordings.
+pub(crate) fn policies() -> [Policy; 6] {
+    let [order, reverse, turns] = [Policy::Order, Policy::Reverse, Policy::RoundRobin];
+    [order, reverse, turns, Policy::Random, Policy::Warp(8), Policy::Pct(3)]
 }
 
 /// Small scenes of different character: many layers in random order, intersecting and coplanar boxes, thin tubes,

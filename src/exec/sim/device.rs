@@ -92,10 +92,11 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
     ///
     /// # Errors
     /// See [`Self::clear`].
-    pub fn mixed(
-        &mut self,
+    pub fn mixed<'b>(
+        &'b mut self,
         work: impl Iterator<Item = Work>,
         done: impl FnMut(&Work, Done),
+        watcher: Option<&'b mut Recording>,
     ) -> Result<()> {
         let (scheme, mem) = (self.scheme, self.mem);
         let invoke = move |&work: &Work| async move {
@@ -111,7 +112,7 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
             }
             Done::Cleared
         };
-        self.pass(work, invoke, done, None)
+        self.pass(work, invoke, done, watcher.map(|w| w as &mut (dyn Watcher<Work> + 'b)))
     }
 
     /// Resolve pixels, to the end.

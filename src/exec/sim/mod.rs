@@ -9,6 +9,7 @@
 
 pub mod device;
 mod pass;
+mod passes;
 pub mod policy;
 pub mod schedule;
 mod submission;
@@ -17,16 +18,14 @@ mod watch;
 use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
-use super::frame::{Finisher, Frame, PixelCounts};
+use super::frame::{Finisher, Frame};
 use crate::error::Result;
-use crate::fragment::Fragment;
 use crate::memory::sim::Sim as Memory;
 use crate::memory::{Layout, Observer};
 use crate::scheme::Scheme;
-use crate::scheme::contract::Barriers;
-use device::{Device, Done, Work};
+use device::Device;
+use passes::Passes;
 use policy::Settings;
-use submission::Submission;
 use watch::Recording;
 
 pub use watch::Watched;
@@ -57,57 +56,22 @@ pub fn run<S: Scheme, O: Observer + Default>(
     let mem = Memory::new(layout, grid.storage_pixels(), pattern, O::default());
     let mut device = Device::new(scheme, &mem, settings)?;
     let mut watch = Stopwatch::start();
-    let mut counts = PixelCounts::default();
-    counts.reset(grid.storage_pixels());
-    let mut reports = Tally::default();
-    let mut lists = vec![Vec::new(); grid.storage_pixels()];
-
-    let pixels = || (0..grid.storage_pixels() as u32).filter(|&p| on_screen(job, p));
-    let clears = || std::iter::once(None).chain(pixels().map(Some));
+    let mut passes = Passes::new(job);
     let mut recording = settings.watch.map(Recording::new);
-    if S::CONTRACT.barriers == Barriers::ALL {
-        device.clear(clears())?;
-        watch.lap("clear");
-        let submission = Submission::new(job, &mut counts.generated);
-        let done = |fragment: &Fragment, outcome| {
-            counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
-        };
-        device.store(submission, done, recording.as_mut())?;
-        watch.lap("store");
-        device.resolve(pixels(), |&pixel, keys| lists[pixel as usize] = keys)?;
+    // A constant block: the compiler makes only that branch's code.
+    if const { S::CONTRACT.barriers.before_store && S::CONTRACT.barriers.before_resolve } {
+        passes.apart(&mut device, recording.as_mut(), &mut watch)?;
     } else {
-        // Passes without a barrier between them are one queue.
-        let Barriers { before_store, before_resolve } = S::CONTRACT.barriers;
-        let mut done = |work: &Work, done| match (work, done) {
-            (Work::Store(fragment), Done::Stored(outcome)) => {
-                counts.gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
-            }
-            (Work::Resolve(pixel), Done::Resolved(keys)) => lists[*pixel as usize] = keys,
-            _ => {}
-        };
-        let clears = clears().map(Work::Clear);
-        let stores = Submission::new(job, &mut counts.generated).map(Work::Store);
-        let resolves = pixels().map(Work::Resolve);
-        match (before_store, before_resolve) {
-            (false, false) => device.mixed(clears.chain(stores).chain(resolves), &mut done)?,
-            (false, true) => {
-                device.mixed(clears.chain(stores), &mut done)?;
-                device.mixed(resolves, &mut done)?;
-            }
-            _ => {
-                device.mixed(clears, &mut done)?;
-                device.mixed(stores.chain(resolves), &mut done)?;
-            }
-        }
-        watch.lap("store");
+        passes.overlapping(&mut device, S::CONTRACT.barriers, recording.as_mut(), &mut watch)?;
     }
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
+    let Passes { generated, gone, reports, mut lists, .. } = passes;
     let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
         let mut finisher = Finisher::new(job, tile);
         for (i, keys) in lists.iter_mut().enumerate() {
             let pixel = tile * per_tile + i;
-            finisher.pixel(keys, counts.generated[pixel], counts.gone[pixel]);
+            finisher.pixel(keys, generated[pixel], gone[pixel]);
         }
         finisher.finish(&Tally::default())
     });
@@ -120,12 +84,4 @@ pub fn run<S: Scheme, O: Observer + Default>(
         schedule,
         watched: recording.map(Recording::finish),
     })
-}
-
-/// Whether a storage place is a pixel of the image.
-fn on_screen(job: &Job<'_>, pixel: u32) -> bool {
-    let grid = &job.front.grid;
-    let per_tile = grid.pixels_per_tile() as u32;
-    let (x, y) = grid.position((pixel / per_tile) as usize, pixel % per_tile);
-    x < grid.width && y < grid.height
 }

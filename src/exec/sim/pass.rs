@@ -110,11 +110,13 @@ where
             let Some(invocation) = invocation.and_then(|place| place.as_mut().as_pin_mut()) else {
                 return Err(not_live(slot));
             };
-            match invocation.poll(context) {
+            let polled = invocation.poll(context);
+            let waited = self.mem.take_waited();
+            match polled {
                 Poll::Pending => {
                     if filled.is_some() {
                         self.admit(slot);
-                    } else if self.mem.take_waited() {
+                    } else if waited {
                         self.policy.waits(slot);
                     }
                     patience -= 1;

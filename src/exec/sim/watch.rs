@@ -1,5 +1,6 @@
 //! Watching a pixel: its fragments, and the part of the schedule that is their own.
 
+use super::device::Work;
 use super::pass::Watcher;
 use crate::fragment::Fragment;
 
@@ -31,20 +32,40 @@ impl Recording {
     }
 }
 
-impl Watcher<Fragment> for Recording {
-    fn takes(&mut self, slot: u32, fragment: &Fragment) {
+impl Recording {
+    fn note(&mut self, slot: u32, fragment: Option<&Fragment>) {
         if self.inside.len() <= slot as usize {
             self.inside.resize(slot as usize + 1, None);
         }
-        let own = fragment.pixel == self.pixel;
-        self.inside[slot as usize] = own.then_some(self.watched.fragments.len() as u32);
-        if own {
-            self.watched.fragments.push(*fragment);
-        }
+        let own = fragment.filter(|fragment| fragment.pixel == self.pixel);
+        self.inside[slot as usize] = own.map(|_| self.watched.fragments.len() as u32);
+        self.watched.fragments.extend(own);
+    }
+
+    fn step(&mut self, slot: u32) {
+        let inside = self.inside.get(slot as usize).copied().flatten();
+        self.watched.steps.extend(inside);
+    }
+}
+
+impl Watcher<Fragment> for Recording {
+    fn takes(&mut self, slot: u32, fragment: &Fragment) {
+        self.note(slot, Some(fragment));
     }
 
     fn steps(&mut self, slot: u32) {
-        let inside = self.inside.get(slot as usize).copied().flatten();
-        self.watched.steps.extend(inside);
+        self.step(slot);
+    }
+}
+
+/// Where passes overlap, stores are told from the rest.
+impl Watcher<Work> for Recording {
+    fn takes(&mut self, slot: u32, work: &Work) {
+        let Work::Store(fragment) = work else { return self.note(slot, None) };
+        self.note(slot, Some(fragment));
+    }
+
+    fn steps(&mut self, slot: u32) {
+        self.step(slot);
     }
 }
