@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use fragloom::exec::drive::{self, Outcomes};
+use fragloom::exec::drive::{Outcomes, Pipeline};
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::Layout;
 use fragloom::memory::arena::{Owned, Shared};
@@ -60,7 +60,7 @@ fn fragments() -> Vec<Fragment> {
     for _ in 0..LAYERS {
         let layer = (0..PIXELS).map(|pixel| {
             let depth = random.below(1 << 31) as u32;
-            Fragment { pixel, depth, data: random.bits() as u32 }
+            Fragment { pixel, depth, data: random.bits() as u32, rank: 0 }
         });
         all.extend(layer);
     }
@@ -69,7 +69,7 @@ fn fragments() -> Vec<Fragment> {
 
 fn scheme() -> (KPlusArray<Correct>, Layout) {
     let mut layout = Layout::default();
-    let config = Config { k: Some(K as u32), generated: 0, max_depth_complexity: 0 };
+    let config = Config { k: Some(K as u32), pixels: PIXELS, ..Config::default() };
     (KPlusArray::new(&config, &mut layout), layout)
 }
 
@@ -86,9 +86,9 @@ fn native(fragments: &[Fragment]) -> [f64; 3] {
     paired(
         PAIRS,
         || {
-            drive::clear(&scheme, &mem, 0..PIXELS);
+            Pipeline::clear(&scheme, &mem, 0..PIXELS);
             for batch in fragments.chunks(64) {
-                drive::store(&scheme, &mem, batch, &mut outcomes);
+                Pipeline::store(&scheme, &mem, batch, &mut outcomes);
             }
             black_box(&outcomes);
         },
@@ -114,9 +114,9 @@ fn exclusive(fragments: &[Fragment]) -> [f64; 3] {
     paired(
         PAIRS,
         || {
-            drive::clear(&scheme, &mem, 0..PIXELS);
+            Pipeline::clear(&scheme, &mem, 0..PIXELS);
             for batch in fragments.chunks(64) {
-                drive::store(&scheme, &mem, batch, &mut outcomes);
+                Pipeline::store(&scheme, &mem, batch, &mut outcomes);
             }
             black_box(&outcomes);
         },

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use fragloom::explore::{Limits, Plan, Subject, Verdict, check};
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Update, Words};
-use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::contract::{Demand, Form, Keeps, Program};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The end of a list.
@@ -31,12 +31,15 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
         paper: "Treiber 1986",
         section: "",
         form: Form::Correct,
-        passes: 1,
+        program: Program::STORE,
         words: "1, and 3F + 1 for the frame",
+        frame_words: "0",
+        published_words: None,
         keeps: Keeps::All,
         exact_when: "the pool holds F nodes",
         arrival_dependent: false,
         racy: false,
+        judged: false,
         ties: "all kept",
         overflow: "drop, counted",
         needs: "32-bit atomic add and compare-exchange, relaxed",
@@ -45,7 +48,8 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Generated,
-        barriers: Barriers::ALL,
+        page: 1,
+        interlock: false,
         source: include_str!("user_scheme.rs"),
     };
 

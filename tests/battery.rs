@@ -164,7 +164,14 @@ impl Visitor for PixelWords {
     type Output = Option<u64>;
 
     fn scheme<S: Scheme>(self) -> Option<u64> {
-        let config = Config { k: Some(self.k), generated: 10, max_depth_complexity: self.k };
+        let config = Config {
+            k: Some(self.k),
+            pixels: 256,
+            generated: 10,
+            max_depth_complexity: self.k,
+            bounded: 20,
+            pages: 10,
+        };
         let mut layout = Layout::default();
         let _ = S::new(&config, &mut layout);
         Some(layout.per_pixel().bytes() / 4)

@@ -116,7 +116,7 @@ fn methods_come_from_the_contracts() {
         "paper",
         "section",
         "form",
-        "passes",
+        "program",
         "words",
         "exact_when",
         "arrival_dependent",

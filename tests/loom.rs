@@ -13,7 +13,7 @@ mod user_scheme;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use fragloom::exec::drive::{self, complete};
+use fragloom::exec::drive::{Pipeline, complete};
 use fragloom::fragment::Fragment;
 use fragloom::memory::{Access, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::resolve::sort;
@@ -54,7 +54,7 @@ fn explore(model: impl Fn() + Sync + Send + 'static) -> Result<usize, String> {
 const WRONG: &str = "wrong contents";
 
 fn fragments(depths: &[u32]) -> Vec<Fragment> {
-    (0..).zip(depths).map(|(data, &depth)| Fragment { pixel: 0, depth, data }).collect()
+    (0..).zip(depths).map(|(data, &depth)| Fragment { pixel: 0, depth, data, rank: 0 }).collect()
 }
 
 /// One thread per group of fragments; all of one pixel. Afterwards it must hold the exact answer.
@@ -79,8 +79,8 @@ fn insertion<S: Scheme + Send + 'static>(
         let scheme = Arc::new(S::new(&config, &mut layout));
         let storage = Arc::new(Storage::new(&layout, 1));
         let mem = Loom::new(&storage, patience);
-        drive::clear_frame(&*scheme, &mem);
-        drive::clear(&*scheme, &mem, 0..1);
+        Pipeline::clear_frame(&*scheme, &mem);
+        Pipeline::clear(&*scheme, &mem, 0..1);
         let spawn = |group: Vec<Fragment>| {
             let (scheme, storage) = (scheme.clone(), storage.clone());
             loom::thread::spawn(move || store(&*scheme, &storage, &group, patience))
@@ -91,7 +91,7 @@ fn insertion<S: Scheme + Send + 'static>(
             thread.join().expect("a thread that does not panic");
         }
         let mut keys = Keys::new();
-        drive::resolve(&*scheme, &mem, 0, &mut keys);
+        Pipeline::resolve(&*scheme, &mem, 0, &mut keys);
         sort::canonical(&mut keys);
         assert_eq!(keys, expected, "{WRONG}");
     }
@@ -99,11 +99,11 @@ fn insertion<S: Scheme + Send + 'static>(
 
 fn store<S: Scheme>(scheme: &S, storage: &Storage, group: &[Fragment], patience: u32) {
     let mut outcomes = [Outcome::Kept; 64];
-    drive::store(scheme, &Loom::new(storage, patience), group, &mut outcomes);
+    Pipeline::store(scheme, &Loom::new(storage, patience), group, &mut outcomes);
 }
 
 fn k(k: u32) -> Config {
-    Config { k: Some(k), generated: 8, max_depth_complexity: 8 }
+    Config { k: Some(k), pixels: 1, generated: 8, max_depth_complexity: 8, bounded: 8, pages: 8 }
 }
 
 /// Holds, in at least `floor` executions.

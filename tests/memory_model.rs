@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use fragloom::explore::{Device, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore};
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Update, Words};
-use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::contract::{self, Demand, Form, Keeps};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The models, in the order of the table's columns.
@@ -575,12 +575,15 @@ impl Scheme for Threads {
         paper: "",
         section: "",
         form: Form::Correct,
-        passes: 1,
+        program: contract::Program::STORE,
         words: "",
+        frame_words: "0",
+        published_words: None,
         keeps: Keeps::All,
         exact_when: "",
         arrival_dependent: true,
         racy: true,
+        judged: false,
         ties: "",
         overflow: "",
         needs: "",
@@ -589,7 +592,8 @@ impl Scheme for Threads {
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Nothing,
-        barriers: Barriers::ALL,
+        page: 1,
+        interlock: false,
         source: "",
     };
 

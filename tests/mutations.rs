@@ -5,7 +5,7 @@ mod support;
 
 use std::cell::Cell;
 
-use fragloom::exec::drive::{self, complete};
+use fragloom::exec::drive::{Pipeline, complete};
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::Layout;
 use fragloom::memory::arena::{Owned, Shared};
@@ -117,12 +117,13 @@ impl Visitor for Pixel<'_> {
         let global = Shared::new(layout.per_frame(), 1);
         let next = Cell::new(0);
         let mem = Exclusive::new(&pixel, &global, Some(&next), &());
-        drive::clear(&scheme, &mem, 0..1);
-        let store =
-            |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data }));
+        Pipeline::clear(&scheme, &mem, 0..1);
+        let store = |&(depth, data)| {
+            complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, rank: 0 }))
+        };
         let outcomes = self.fragments.iter().map(store).collect();
         let mut keys = Keys::new();
-        drive::resolve(&scheme, &mem, 0, &mut keys);
+        Pipeline::resolve(&scheme, &mem, 0, &mut keys);
         keys.sort_unstable();
         (outcomes, keys)
     }
@@ -133,7 +134,8 @@ impl Visitor for Pixel<'_> {
 }
 
 fn pixel(method: &str, generated: u64, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys) {
-    let config = Config { k: Some(2), generated, max_depth_complexity: 2 };
+    let config =
+        Config { k: Some(2), pixels: 1, generated, max_depth_complexity: 2, bounded: 2, pages: 8 };
     catalogue::visit(method, Pixel { config, fragments }).expect("a method")
 }
 

@@ -11,7 +11,7 @@ use fragloom::explore::{
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::num::depth::FARTHEST;
-use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::contract::{Demand, Form, Keeps, Program};
 use fragloom::scheme::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -89,12 +89,15 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
         paper: "",
         section: "",
         form: Form::Correct,
-        passes: 1,
+        program: Program::STORE,
         words: "3 + 2F",
+        frame_words: "0",
+        published_words: None,
         keeps: Keeps::All,
         exact_when: "",
         arrival_dependent: false,
         racy: false,
+        judged: false,
         ties: "",
         overflow: "",
         needs: "",
@@ -103,7 +106,8 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
         default_k: None,
         max_k: u32::MAX,
         demand: Demand::Nothing,
-        barriers: Barriers::ALL,
+        page: 1,
+        interlock: false,
         source: "",
     };
 

@@ -54,7 +54,7 @@ fn row(contract: &Contract) -> Vec<String> {
     vec![
         contract.name.to_owned(),
         form.to_owned(),
-        contract.passes.to_string(),
+        contract.program.geometry().to_string(),
         k,
         contract.words.to_owned(),
         depends.to_owned(),

@@ -3,6 +3,8 @@
 //! On native and exclusive memory every operation is ready at once, so one poll runs an invocation to its end and the
 //! compiler removes the machinery, *if* the poll is inlined. It is when a (scheme, memory) pair is polled in a single
 //! place: here, for executors, tests and benchmarks alike.
+//!
+//! Executors see a scheme through [`Pipeline`], in batches: they are compiled once for all schemes.
 
 use std::future::Future;
 use std::ops::Range;
@@ -15,6 +17,26 @@ use crate::scheme::{Keys, Outcome, Scheme};
 
 /// Outcomes of a batch, in the order of its fragments.
 pub type Outcomes = [Outcome; 64];
+
+/// A scheme on one kind of memory, without its type.
+pub trait Pipeline<M>: Sync {
+    /// Clear the frame's own words.
+    fn clear_frame(&self, mem: &M);
+    /// Clear a range of pixels.
+    fn clear(&self, mem: &M, pixels: Range<u32>);
+    /// Run an earlier geometry pass for fragments, one after another.
+    fn prepare(&self, mem: &M, pass: usize, fragments: &[Fragment]);
+    /// Run a full-screen pass for a range of pixels.
+    fn screen(&self, mem: &M, pass: usize, pixels: Range<u32>);
+    /// Run a part of a pass over the frame's words.
+    fn frame(&self, mem: &M, pass: usize, indices: Range<u32>);
+    /// How many invocations such a pass has.
+    fn invocations(&self, pass: usize) -> u32;
+    /// Store fragments one after another; at most 64.
+    fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes);
+    /// Append a pixel's fragments to `keys`; whether it needs another round.
+    fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool;
+}
 
 /// The result of a future that never waits.
 ///
@@ -29,34 +51,47 @@ pub fn complete<F: Future>(future: F) -> F::Output {
     }
 }
 
-/// Clear the frame's own words.
-pub fn clear_frame<S: Scheme, M: Memory>(scheme: &S, mem: &M) {
-    complete(scheme.clear_frame(mem));
-}
-
-/// Clear a range of pixels.
-#[inline(never)]
-pub fn clear<S: Scheme, M: Memory>(scheme: &S, mem: &M, pixels: Range<u32>) {
-    for pixel in pixels {
-        complete(scheme.clear(mem, pixel));
+impl<S: Scheme, M: Memory> Pipeline<M> for S {
+    fn clear_frame(&self, mem: &M) {
+        complete(Scheme::clear_frame(self, mem));
     }
-}
 
-/// Store fragments one after another; at most 64.
-#[inline(never)]
-pub fn store<S: Scheme, M: Memory>(
-    scheme: &S,
-    mem: &M,
-    fragments: &[Fragment],
-    outcomes: &mut Outcomes,
-) {
-    for (fragment, outcome) in fragments.iter().zip(outcomes) {
-        *outcome = complete(scheme.store(mem, *fragment));
+    fn clear(&self, mem: &M, pixels: Range<u32>) {
+        for pixel in pixels {
+            complete(Scheme::clear(self, mem, pixel));
+        }
     }
-}
 
-/// Append a pixel's fragments to `keys`.
-#[inline]
-pub fn resolve<S: Scheme, M: Memory>(scheme: &S, mem: &M, pixel: u32, keys: &mut Keys) {
-    complete(scheme.resolve(mem, pixel, keys));
+    fn prepare(&self, mem: &M, pass: usize, fragments: &[Fragment]) {
+        for fragment in fragments {
+            complete(Scheme::prepare(self, mem, pass, *fragment));
+        }
+    }
+
+    fn screen(&self, mem: &M, pass: usize, pixels: Range<u32>) {
+        for pixel in pixels {
+            complete(Scheme::screen(self, mem, pass, pixel));
+        }
+    }
+
+    fn frame(&self, mem: &M, pass: usize, indices: Range<u32>) {
+        for index in indices {
+            complete(Scheme::frame(self, mem, pass, index));
+        }
+    }
+
+    fn invocations(&self, pass: usize) -> u32 {
+        Scheme::invocations(self, pass)
+    }
+
+    fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes) {
+        for (fragment, outcome) in fragments.iter().zip(outcomes) {
+            *outcome = complete(Scheme::store(self, mem, *fragment));
+        }
+    }
+
+    fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool {
+        complete(Scheme::resolve(self, mem, pixel, keys));
+        S::CONTRACT.program.repeats && complete(Scheme::again(self, mem, pixel))
+    }
 }

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::Job;
 use super::account::{Judgement, Tally};
-use super::{Job, drive};
 use crate::fragment::{Data, data_of};
 use crate::image::Image;
-use crate::memory::{Counters, Memory};
+use crate::memory::Counters;
 use crate::raster::Grid;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Lists, sort};
-use crate::scheme::{Keys, Scheme, exact};
+use crate::scheme::{Keys, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -121,10 +121,9 @@ impl<'a> Finisher<'a> {
     }
 }
 
-/// Resolve a tile whose first pixel is at `first` in memory.
-pub fn resolve_tile<S: Scheme, M: Memory>(
-    scheme: &S,
-    mem: &M,
+/// Take a tile's pixels, the first of which is `first` in memory, from `resolve`, which appends a pixel's keys.
+pub fn resolve_tile(
+    mut resolve: impl FnMut(u32, &mut Keys),
     first: u32,
     counts: &PixelCounts,
     mut finisher: Finisher<'_>,
@@ -134,8 +133,23 @@ pub fn resolve_tile<S: Scheme, M: Memory>(
     finisher.reserve(&counts.generated);
     for (pixel, (&generated, &gone)) in (first..).zip(counts.generated.iter().zip(&counts.gone)) {
         keys.clear();
-        drive::resolve(scheme, mem, pixel, &mut keys);
+        resolve(pixel, &mut keys);
         finisher.pixel(&mut keys, generated, gone);
+    }
+    finisher.finish(reports)
+}
+
+/// As [`resolve_tile`], of keys that were collected over several rounds.
+pub fn collected_tile(
+    lists: &mut [Keys],
+    counts: &PixelCounts,
+    mut finisher: Finisher<'_>,
+    reports: &Tally,
+) -> TileOutput {
+    for (keys, (&generated, &gone)) in
+        lists.iter_mut().zip(counts.generated.iter().zip(&counts.gone))
+    {
+        finisher.pixel(keys, generated, gone);
     }
     finisher.finish(reports)
 }
@@ -146,7 +160,7 @@ impl Frame {
     pub fn new(job: &Job<'_>, tiles: Vec<TileOutput>, reports: &Tally, counters: Counters) -> Self {
         let mut tally = *reports;
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
-        if job.racy || tally.unbalanced > 0 {
+        if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
             tally.correct(&judge(job, &tiles));
         }
         Self { tiles, tally, counters, seconds: BTreeMap::new() }

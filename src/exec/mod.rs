@@ -8,8 +8,8 @@
 //! * [`oracle`]: the exact reference, which is no scheme.
 //!
 //! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). Between passes
-//! stands a barrier for the whole frame, except in `tile`, where it stands between the passes of a tile: pixel storage
-//! is all that a tile's passes share, apart from pools whose nodes nobody else reads.
+//! stands a barrier for the whole frame, except in `tile`, where a method that needs no more has it between the passes
+//! of a tile: pixel storage is all that a tile's passes share, apart from pools whose nodes nobody else reads.
 
 pub mod account;
 pub mod clock;
@@ -22,6 +22,7 @@ pub mod threads;
 pub mod tile;
 
 use crate::raster::{FrontEnd, Record};
+use crate::scheme::Contract;
 
 pub use account::Tally;
 pub use frame::Frame;
@@ -37,8 +38,8 @@ pub struct Job<'a> {
     pub background: [u16; 3],
     /// The number of nearest fragments that the method promises to keep; `None` is all.
     pub nearest: Option<u32>,
-    /// Whether the method may lose fragments in races, so that lists are compared with what was generated.
-    pub racy: bool,
+    /// What the method promises, and which passes it has.
+    pub contract: &'static Contract,
     /// Fragments in all tiles before each tile, if they were counted; else empty.
     pub before_tile: Vec<u64>,
     /// Worker threads.

@@ -12,14 +12,15 @@ use rayon::prelude::*;
 use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
-use super::drive::{self, Outcomes};
-use super::frame::{Finisher, Frame, PixelCounts, resolve_tile};
+use super::drive::{Outcomes, Pipeline};
+use super::frame::{Finisher, Frame, PixelCounts, collected_tile, resolve_tile};
 use crate::fragment::Packet;
 use crate::memory::arena::Shared;
 use crate::memory::native::Native;
 use crate::memory::{Counters, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::{Outcome, Scheme};
+use crate::scheme::contract::Kind;
+use crate::scheme::{Keys, Outcome};
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.
 const MESSAGE: usize = 64;
@@ -27,41 +28,94 @@ const MESSAGE: usize = 64;
 /// Messages that may wait per worker.
 const BACKLOG: usize = 8;
 
-/// Run a scheme. Clear and resolve run in the surrounding thread pool, store on threads of its own.
+/// Invocations of a pass over the frame's words that go to a worker at once.
+const CHUNK: u32 = 256;
+
+/// Run a scheme. Geometry passes run on threads of their own, all others in the surrounding thread pool.
 #[must_use]
-pub fn run<S: Scheme, O: Observer + Default>(scheme: &S, layout: &Layout, job: &Job<'_>) -> Frame {
-    let grid = &job.front.grid;
+pub fn run<O: Observer + Default>(
+    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
+    layout: &Layout,
+    job: &Job<'_>,
+) -> Frame {
+    let (grid, program) = (&job.front.grid, &job.contract.program);
     let pixel = Shared::new(layout.per_pixel(), grid.storage_pixels());
     let global = Shared::new(layout.per_frame(), 1);
     let shared = SharedMemory { pixel, global, counters: Mutex::new(Counters::default()) };
 
     let tile_pixels = grid.pixels_per_tile() as u32;
-    let place = |tile: usize| tile as u32 * tile_pixels;
+    let pixels = |tile: usize| tile as u32 * tile_pixels..(tile as u32 + 1) * tile_pixels;
     let mut watch = Stopwatch::start();
-    shared.with(|mem: Native<'_, O>| drive::clear_frame(scheme, &mem));
+    shared.with(|mem: Native<'_, O>| scheme.clear_frame(&mem));
     (0..grid.tiles()).into_par_iter().for_each(|tile| {
-        shared.with(|mem: Native<'_, O>| {
-            drive::clear(scheme, &mem, place(tile)..place(tile) + tile_pixels);
-        });
+        shared.with(|mem: Native<'_, O>| scheme.clear(&mem, pixels(tile)));
     });
-
     watch.lap("clear");
-    let stored = store_pass::<S, O>(scheme, job, &shared);
-    watch.lap("store");
 
-    let tiles = (0..grid.tiles()).into_par_iter().map(|tile| {
+    let mut lists = vec![Keys::new(); if program.repeats { grid.storage_pixels() } else { 0 }];
+    let stored = loop {
+        let mut stored = None;
+        for (number, pass) in program.passes.iter().enumerate() {
+            match pass.kind {
+                Kind::Prepare | Kind::Store => {
+                    let pass = (number, pass.kind == Kind::Store);
+                    stored = Some(geometry_pass::<O>(scheme, pass, job, &shared));
+                }
+                Kind::Screen => (0..grid.tiles()).into_par_iter().for_each(|tile| {
+                    shared.with(|mem: Native<'_, O>| scheme.screen(&mem, number, pixels(tile)));
+                }),
+                Kind::Frame => {
+                    let count = scheme.invocations(number);
+                    (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+                        let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
+                        shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
+                    });
+                }
+            }
+            watch.lap(pass.name);
+        }
+        let again = program.repeats && {
+            let tiles = lists.par_chunks_mut(tile_pixels as usize).enumerate();
+            let resolve = |(tile, lists): (usize, &mut [Keys])| {
+                shared.with(|mem: Native<'_, O>| {
+                    let all = pixels(tile).zip(lists);
+                    all.fold(false, |again, (p, keys)| scheme.resolve(&mem, p, keys) | again)
+                })
+            };
+            tiles.map(resolve).reduce(|| false, |a, b| a | b)
+        };
+        if !again {
+            break stored.unwrap_or_default();
+        }
+    };
+
+    let finish = |(tile, lists): (usize, &mut [Keys])| {
         let counts = stored.counts(tile, tile_pixels as usize);
         let finisher = Finisher::new(job, tile);
         let none = Tally::default();
+        if program.repeats {
+            return collected_tile(lists, &counts, finisher, &none);
+        }
         shared.with(|mem: Native<'_, O>| {
-            resolve_tile(scheme, &mem, place(tile), &counts, finisher, &none)
+            let resolve = |pixel, keys: &mut Keys| {
+                scheme.resolve(&mem, pixel, keys);
+            };
+            resolve_tile(resolve, pixels(tile).start, &counts, finisher, &none)
         })
-    });
-    let tiles = tiles.collect();
+    };
+    let mut parts: Vec<&mut [Keys]> = lists.chunks_mut(tile_pixels as usize).collect();
+    parts.resize_with(grid.tiles(), Default::default);
+    let tiles = parts.into_par_iter().enumerate().map(finish).collect();
     watch.lap("resolve");
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
     Frame { seconds: watch.seconds(), ..frame }
+}
+
+/// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if that matters.
+struct Sent {
+    packet: Packet,
+    ranks: Option<Box<[u32; 64]>>,
 }
 
 /// What all threads reach.
@@ -83,7 +137,8 @@ impl SharedMemory {
     }
 }
 
-/// What the store pass leaves behind besides memory.
+/// What a geometry pass leaves behind besides memory.
+#[derive(Default)]
 struct Stored {
     generated: Vec<Mutex<Vec<u32>>>,
     gone: Vec<AtomicU32>,
@@ -101,8 +156,9 @@ impl Stored {
     }
 }
 
-fn store_pass<S: Scheme, O: Observer + Default>(
-    scheme: &S,
+fn geometry_pass<O: Observer + Default>(
+    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
+    pass: (usize, bool),
     job: &Job<'_>,
     shared: &SharedMemory,
 ) -> Stored {
@@ -112,7 +168,7 @@ fn store_pass<S: Scheme, O: Observer + Default>(
     let mut generated = Vec::new();
     generated.resize_with(grid.tiles(), Mutex::default);
     let stored = Stored { generated, gone, reports: Tally::default() };
-    let (sender, receiver) = bounded(BACKLOG * job.threads);
+    let (sender, receiver) = bounded::<Vec<Sent>>(BACKLOG * job.threads);
     let next_tile = AtomicUsize::new(0);
     let reports = std::thread::scope(|scope| {
         for _ in 0..(job.threads / 2).max(1) {
@@ -125,7 +181,8 @@ fn store_pass<S: Scheme, O: Observer + Default>(
             .map(|_| {
                 // Each has its own end of the queue: if all workers are gone, no rasterizer waits for one.
                 let (receiver, gone) = (receiver.clone(), &stored.gone);
-                let work = move |mem: Native<'_, O>| invoke(scheme, job, &mem, &receiver, gone);
+                let work =
+                    move |mem: Native<'_, O>| invoke(scheme, pass, job, &mem, &receiver, gone);
                 scope.spawn(move || shared.with(work))
             })
             .collect();
@@ -147,7 +204,7 @@ fn rasterize(
     job: &Job<'_>,
     next_tile: &AtomicUsize,
     generated: &[Mutex<Vec<u32>>],
-    sender: &Sender<Vec<Packet>>,
+    sender: &Sender<Vec<Sent>>,
 ) {
     let grid = &job.front.grid;
     loop {
@@ -160,10 +217,11 @@ fn rasterize(
         job.front.packets(tile, |packet| {
             let first = grid.local_block(packet) as usize * 64;
             let block = &mut counts[first..first + 64];
+            let ranks = job.contract.interlock.then(|| Box::new(std::array::from_fn(|i| block[i])));
             for (bit, count) in block.iter_mut().enumerate() {
                 *count += (packet.mask >> bit & 1) as u32;
             }
-            message.push(packet);
+            message.push(Sent { packet, ranks });
             if message.len() == MESSAGE {
                 // A closed queue means that the workers are gone; the scope reports why.
                 let _ = sender.send(std::mem::replace(&mut message, Vec::with_capacity(MESSAGE)));
@@ -176,20 +234,32 @@ fn rasterize(
     }
 }
 
-/// A worker thread: runs the store invocations of the packets it receives.
-fn invoke<S: Scheme, O: Observer>(
-    scheme: &S,
+/// A worker thread: runs the invocations of the packets it receives.
+///
+/// With an interlock, an invocation may wait for one of an earlier packet of its tile. That one was sent earlier, so
+/// another worker has it and is at work on it or on one still earlier: nobody waits for ever.
+fn invoke<O: Observer>(
+    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
+    (number, stores): (usize, bool),
     job: &Job<'_>,
     mem: &Native<'_, O>,
-    receiver: &Receiver<Vec<Packet>>,
+    receiver: &Receiver<Vec<Sent>>,
     gone: &[AtomicU32],
 ) -> Tally {
     let mut reports = Tally::default();
     let mut batch = Batch::default();
     let mut outcomes: Outcomes = [Outcome::Kept; 64];
-    for packet in receiver.iter().flatten() {
-        job.front.fragments(packet, job.record, job.front.grid.first_pixel(packet), &mut batch);
-        drive::store(scheme, mem, batch.fragments(), &mut outcomes);
+    for Sent { packet, ranks } in receiver.iter().flatten() {
+        let first = job.front.grid.first_pixel(packet);
+        job.front.fragments(packet, job.record, first, &mut batch);
+        if let Some(ranks) = ranks {
+            batch.rank(|pixel| ranks[(pixel - first) as usize]);
+        }
+        if !stores {
+            scheme.prepare(mem, number, batch.fragments());
+            continue;
+        }
+        scheme.store(mem, batch.fragments(), &mut outcomes);
         for (fragment, &outcome) in batch.fragments().iter().zip(&outcomes) {
             if reports.report(outcome) {
                 gone[fragment.pixel as usize].fetch_add(1, Ordering::Relaxed);

@@ -107,7 +107,7 @@ impl Survey {
         for n in 1..=family.fragments {
             let instances = litmus::of_size(subject.contract, family, n);
             let explore = |litmus: Litmus| {
-                let shader = (subject.make)(&litmus.config());
+                let shader = (subject.make)(&litmus.config(subject.contract));
                 let explored =
                     exhaustive::explore(&*shader, subject.contract, &litmus, device, limits);
                 (litmus, explored)
@@ -294,7 +294,7 @@ fn witness(
     schedule: [&[Move]; 2],
     message: &str,
 ) -> (Option<String>, String) {
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     let moves = schedule.concat();
     let Ok(run) = run::run(&*shader, subject.contract, litmus, device, &moves) else {
         return (None, message.to_owned());
@@ -326,8 +326,11 @@ fn outcomes(explored: &Explored) -> Vec<String> {
 pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
     let shader = (subject.make)(&crate::scheme::Config {
         k: subject.contract.default_k.map(|_| 1),
+        pixels: 1,
         generated: 1,
         max_depth_complexity: 1,
+        bounded: 1,
+        pages: 1,
     });
     let locks = !shader.layout().locks().is_empty();
     let races = matches!(memory, MemoryModel::Relaxed(profile) if profile.has_races());
@@ -421,7 +424,7 @@ impl<'a> Endings<'a> {
     ) -> Self {
         let subject = &survey.subject;
         let explore = |litmus: Litmus| {
-            let shader = (subject.make)(&litmus.config());
+            let shader = (subject.make)(&litmus.config(subject.contract));
             let found = progress::explore(&*shader, subject.contract, &litmus, warp, limits);
             (litmus, found)
         };

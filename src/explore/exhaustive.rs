@@ -5,12 +5,12 @@
 use std::collections::BTreeMap;
 
 use super::forest::NodeId;
-use super::litmus::Litmus;
+use super::litmus::{Litmus, Stage};
 use super::machine::{Device, Final, Machine, Moved};
 use super::model::MemoryModel;
 use super::property::{self, Property};
 use super::schedule::{Move, Schedule};
-use super::shader::Shader;
+use super::shader::{Shader, Task};
 use super::space::{Space, StateId};
 use crate::memory::asked::Cells;
 use crate::scheme::{Contract, Moment};
@@ -117,15 +117,20 @@ pub(super) fn graph<'a>(
 }
 
 /// Runs of invocations, helpers apart, with equal tasks.
-fn groups(machine: &Machine<'_>) -> Vec<std::ops::Range<usize>> {
+fn groups(machine: &Machine<'_>) -> Vec<Vec<std::ops::Range<usize>>> {
+    machine.stages.iter().map(equals).collect()
+}
+
+/// The same of one stage.
+fn equals(stage: &Stage) -> Vec<std::ops::Range<usize>> {
+    let tasks = &stage.tasks;
     let same = |a: usize, b: usize| {
-        machine.tasks[a] == machine.tasks[b]
-            && machine.litmus.is_helper(a) == machine.litmus.is_helper(b)
+        tasks[a] == tasks[b] && stage.is_helper(a) == stage.is_helper(b) && tasks[a] != Task::Idle
     };
     let mut groups = Vec::new();
     let mut begin = 0;
-    for end in 1..=machine.tasks.len() {
-        if end == machine.tasks.len() || !same(begin, end) {
+    for end in 1..=tasks.len() {
+        if end == tasks.len() || !same(begin, end) {
             if end - begin > 1 {
                 groups.push(begin..end);
             }
@@ -151,7 +156,8 @@ fn canonical(nodes: &mut [NodeId], groups: &[std::ops::Range<usize>], who: &mut 
 
 struct Search<'a> {
     machine: Machine<'a>,
-    groups: Vec<std::ops::Range<usize>>,
+    /// By stage.
+    groups: Vec<Vec<std::ops::Range<usize>>>,
     mark_movers: bool,
     space: Space,
     graph: Graph,
@@ -160,7 +166,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(machine: Machine<'a>, groups: Vec<std::ops::Range<usize>>) -> Self {
+    fn new(machine: Machine<'a>, groups: Vec<Vec<std::ops::Range<usize>>>) -> Self {
         Self {
             machine,
             groups,
@@ -238,9 +244,9 @@ impl<'a> Search<'a> {
     }
 
     fn expand(&mut self, id: StateId, state: &[u32], next: &mut Vec<u32>) {
-        let count = self.machine.tasks.len();
-        let nodes = &state[..count];
+        let count = self.machine.width;
         self.machine.load(state);
+        let nodes = &state[..count];
         let live = self.machine.live(nodes);
         if live == 0 {
             self.ended(id, nodes);
@@ -275,17 +281,18 @@ impl<'a> Search<'a> {
     /// The state after a move.
     #[inline]
     fn follow(&mut self, id: StateId, state: &[u32], by: Move, moved: Moved, next: &mut Vec<u32>) {
-        let (count, head) = (self.machine.tasks.len(), self.machine.head());
+        let (count, head) = (self.machine.width, self.machine.head());
         next.clear();
         next.extend_from_slice(&state[..head]);
         next[usize::from(by.invocation)] = moved.node;
         if self.mark_movers {
             next[count] |= 1 << by.invocation;
         }
-        let live = self.machine.live(&next[..count]);
-        self.machine.store(live, next);
-        if !self.groups.is_empty() {
-            canonical(&mut next[..count], &self.groups, &mut [0; 32]);
+        if let Some(message) = self.machine.settle(next) {
+            self.violation(Property::Invariant, id, Some(by), || message);
+        }
+        if let Some(groups) = self.groups.get(self.machine.stage_index()) {
+            canonical(&mut next[..count], groups, &mut [0; 32]);
         }
         let (target, _) = self.space.insert(next, id, by);
         self.graph.targets.push(target);
@@ -341,7 +348,7 @@ impl<'a> Search<'a> {
     fn finish(&mut self, state: StateId) -> Final {
         let words = self.space.get(state).to_vec();
         self.machine.load(&words);
-        self.machine.finish(&words[..self.machine.tasks.len()])
+        self.machine.finish(&words[..self.machine.width])
     }
 
     /// The moves to a state and perhaps one more, by the invocations that really make them.
@@ -350,7 +357,7 @@ impl<'a> Search<'a> {
         if self.groups.is_empty() {
             return path;
         }
-        let count = self.machine.tasks.len();
+        let count = self.machine.width;
         let mut who: Vec<u8> = (0..count as u8).collect();
         let mut at = self.space.get(0).to_vec();
         let mut schedule = Vec::new();
@@ -360,11 +367,13 @@ impl<'a> Search<'a> {
             self.machine.load(&at);
             let moved = self.machine.perform(at[place], by);
             at[place] = moved.node;
-            let head = self.machine.head();
+            let (head, stage) = (self.machine.head(), self.machine.stage_number());
             at.truncate(head);
-            let live = self.machine.live(&at[..count]);
-            self.machine.store(live, &mut at);
-            canonical(&mut at[..count], &self.groups, &mut who);
+            self.machine.settle(&mut at);
+            if self.machine.stage_number() != stage {
+                who = (0..count as u8).collect();
+            }
+            canonical(&mut at[..count], &self.groups[self.machine.stage_index()], &mut who);
         }
         schedule
     }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::shader::Task;
 use crate::fragment::{Fragment, key};
 use crate::num::depth::{FARTHEST, Format};
-use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::contract::{Barrier, Demand, Keeps, Kind, Pass};
 use crate::scheme::{Config, Contract};
 
 /// A small program: one store invocation per fragment.
@@ -28,6 +28,30 @@ pub struct Litmus {
     pub helpers: u32,
 }
 
+/// Tasks that run at the same time, between two barriers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// The name of its first pass.
+    pub name: &'static str,
+    /// One invocation each.
+    pub tasks: Vec<Task>,
+    /// Which of them are helpers.
+    pub helpers: std::ops::Range<usize>,
+    helping: Vec<Task>,
+}
+
+impl Stage {
+    fn new(name: &'static str) -> Self {
+        Self { name, tasks: Vec::new(), helpers: 0..0, helping: Vec::new() }
+    }
+
+    /// Whether an invocation is a helper.
+    #[must_use]
+    pub fn is_helper(&self, invocation: usize) -> bool {
+        self.helpers.contains(&invocation)
+    }
+}
+
 /// How many fragments have all patterns of neighbours; more have distinct depths.
 pub const ALL_PATTERNS: u32 = 5;
 
@@ -42,13 +66,33 @@ enum Relation {
 impl Litmus {
     /// What the method is configured with.
     #[must_use]
-    pub fn config(&self) -> Config {
-        Config { k: self.k, generated: u64::from(self.room), max_depth_complexity: self.room }
+    pub fn config(&self, contract: &Contract) -> Config {
+        let bound = |pixel| {
+            let count = self.fragments.iter().filter(|f| f.0 == pixel).count() as u64;
+            self.k.map_or(count, |k| count.min(u64::from(k)))
+        };
+        let bounded: u64 = (0..self.pixels).map(bound).sum();
+        let room = u64::from(self.room);
+        let counts = (0..self.pixels).map(|p| self.fragments.iter().filter(|f| f.0 == p).count());
+        let pages: u64 = counts.map(|n| (n as u64).div_ceil(u64::from(contract.page))).sum();
+        let short = u64::from((self.room as usize) < self.fragments.len());
+        Config {
+            k: self.k,
+            pixels: self.pixels,
+            generated: room,
+            max_depth_complexity: self.room,
+            bounded: bounded.min(room),
+            pages: pages - short,
+        }
     }
 
     /// The fragments.
     pub fn fragments(&self) -> impl Iterator<Item = Fragment> + '_ {
-        self.fragments.iter().map(|&(pixel, depth, data)| Fragment { pixel, depth, data })
+        let all = self.fragments.iter().enumerate();
+        all.map(|(i, &(pixel, depth, data))| {
+            let rank = self.fragments[..i].iter().filter(|f| f.0 == pixel).count() as u32;
+            Fragment { pixel, depth, data, rank }
+        })
     }
 
     /// The keys generated at a pixel, sorted.
@@ -60,32 +104,64 @@ impl Litmus {
         keys
     }
 
-    /// The passes before the concurrent one, the concurrent invocations, and the passes after it.
-    pub(super) fn passes(&self, contract: &Contract) -> [Vec<Task>; 3] {
-        let pixels = 0..self.pixels;
-        let clear = std::iter::once(Task::ClearFrame).chain(pixels.clone().map(Task::Clear));
-        let mut passes: [Vec<Task>; 3] = [
-            clear.collect(),
-            self.fragments().map(Task::Store).collect(),
-            pixels.map(Task::Resolve).collect(),
-        ];
-        let helpers = self.fragments().take(self.helpers as usize).map(Task::Store);
-        passes[1].extend(helpers);
-        if !contract.barriers.before_store {
-            let clear = std::mem::take(&mut passes[0]);
-            passes[1].extend(clear);
+    /// What runs first, one after another; the stages, in each of which all tasks are concurrent; and what runs last,
+    /// one after another. A barrier stands between them all; passes without one between them are one stage.
+    pub(super) fn stages(
+        &self,
+        contract: &Contract,
+        invocations: impl Fn(usize) -> u32,
+    ) -> [Vec<Stage>; 3] {
+        let tasks = |number: usize, pass: &Pass| -> [Vec<Task>; 2] {
+            let place = number as u8;
+            let of_fragments = |task: &dyn Fn(Fragment) -> Task| {
+                let helpers = self.fragments().take(self.helpers as usize).map(task);
+                [self.fragments().map(task).collect(), helpers.collect()]
+            };
+            match pass.kind {
+                Kind::Store => of_fragments(&Task::Store),
+                Kind::Prepare => of_fragments(&|fragment| Task::Prepare(place, fragment)),
+                Kind::Screen => {
+                    [(0..self.pixels).map(|p| Task::Screen(place, p)).collect(), Vec::new()]
+                }
+                Kind::Frame => {
+                    let all = 0..invocations(number);
+                    [all.map(|index| Task::Frame(place, index)).collect(), Vec::new()]
+                }
+            }
+        };
+        let mut first = Stage::new("clear");
+        first.tasks.push(Task::ClearFrame);
+        first.tasks.extend((0..self.pixels).map(Task::Clear));
+        let mut last = Stage::new("resolve");
+        last.tasks.extend((0..self.pixels).map(Task::Resolve));
+        let mut stages: Vec<Stage> = Vec::new();
+        for (number, pass) in contract.program.passes.iter().enumerate() {
+            let apart = pass.before != Barrier::Missing;
+            if apart || stages.is_empty() {
+                stages.push(Stage::new(pass.name));
+            }
+            let Some(stage) = stages.last_mut() else { continue };
+            let [tasks, helpers] = tasks(number, pass);
+            stage.tasks.extend(tasks);
+            stage.helping.extend(helpers);
         }
-        if !contract.barriers.before_resolve {
-            let resolve = std::mem::take(&mut passes[2]);
-            passes[1].extend(resolve);
+        for stage in &mut stages {
+            let begin = stage.tasks.len();
+            stage.tasks.append(&mut stage.helping);
+            stage.helpers = begin..stage.tasks.len();
         }
-        passes
-    }
-
-    /// Whether an invocation of the concurrent pass is a helper.
-    pub(super) fn is_helper(&self, invocation: usize) -> bool {
-        let first = self.fragments.len();
-        (first..first + self.helpers as usize).contains(&invocation)
+        let overlaps = |pass: Option<&Pass>| pass.is_some_and(|p| p.before == Barrier::Missing);
+        if overlaps(contract.program.passes.first())
+            && let Some(stage) = stages.first_mut()
+        {
+            stage.tasks.append(&mut first.tasks);
+        }
+        if contract.program.before_resolve == Barrier::Missing
+            && let Some(stage) = stages.last_mut()
+        {
+            stage.tasks.append(&mut last.tasks);
+        }
+        [vec![first], stages, vec![last]]
     }
 
     /// Values for words that nobody wrote: the ends of the range, and what could be mistaken for a fragment. A method
@@ -147,7 +223,7 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     } else {
         vec![None]
     };
-    let short = contract.demand != Demand::Nothing && n > 1;
+    let short = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest && n > 1;
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
     let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
     let mut all = Vec::new();
@@ -155,13 +231,42 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
         for &room in &rooms {
             for pixels in 1..=spread {
                 for relations in patterns(n, pixels) {
-                    let fragments = fragments(&relations, pixels, contract);
+                    let sorted = fragments(&relations, pixels, contract);
                     let helpers = family.helpers.min(n);
-                    all.push(Litmus { pixels, k, room, fragments, helpers });
+                    for fragments in arrivals(sorted, contract) {
+                        all.push(Litmus { pixels, k, room, fragments, helpers });
+                    }
                 }
             }
         }
     }
+    all
+}
+
+/// The orders of arrival to try. It matters only where the interlock makes it the order of execution: then all, of up
+/// to four fragments, and else forth and back.
+fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+    if !contract.interlock {
+        return vec![sorted];
+    }
+    if sorted.len() > 4 {
+        let back = sorted.iter().rev().copied().collect();
+        return vec![sorted, back];
+    }
+    let mut all = vec![Vec::new()];
+    for fragment in sorted {
+        let longer = |order: &Vec<(u32, u32, u32)>| {
+            let order = order.clone();
+            (0..=order.len()).map(move |place| {
+                let mut order = order.clone();
+                order.insert(place, fragment);
+                order
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all.sort_unstable();
+    all.dedup();
     all
 }
 

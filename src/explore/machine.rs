@@ -1,12 +1,15 @@
 //! An instance made ready to run: its invocations' trees, its memory after the clear pass, and what one move does.
 //!
-//! A state is encoded as: a node per invocation; for progress, a word with a bit for each that has moved; the model's
-//! memory.
+//! A state is encoded as: a node per invocation; for progress, a word with a bit for each that has moved; for a program
+//! of several stages, a word that says which one, in which round, after which results; the model's memory.
+//!
+//! Stages have equally many invocations: the missing ones have nothing to do. When all of a stage have ended, the next
+//! one begins in the same move.
 
 use std::collections::BTreeMap;
 
 use super::forest::{Fault, Forest, NodeId, Step};
-use super::litmus::Litmus;
+use super::litmus::{Litmus, Stage};
 use super::model::{self, Initial, MemoryModel, Model, Race};
 use super::schedule::Move;
 use super::shader::{Ended, Shader, Task};
@@ -30,20 +33,52 @@ pub struct Device {
 /// What a helper invocation's update may return instead of a value: 0, 1, all ones, or the word.
 const HELPER_RESULTS: usize = 4;
 
+/// Rounds after which a program that repeats is given up.
+const MOST_ROUNDS: u32 = 60;
+
 /// An instance, ready to run.
 pub(super) struct Machine<'a> {
     pub(super) litmus: &'a Litmus,
     pub(super) contract: &'a Contract,
     pub(super) forest: Forest<'a>,
-    pub(super) tasks: Vec<Task>,
+    pub(super) stages: Vec<Stage>,
+    /// Invocations of every stage.
+    pub(super) width: usize,
     shader: &'a dyn Shader,
     cells: &'a Cells,
     device: Device,
     model: Box<dyn Model>,
     after: Vec<Task>,
-    /// Words before the model's: the nodes, and the word of who has moved.
+    /// Words before the model's: the nodes, the word of who has moved, and that of the stage.
     head: usize,
+    /// Where the word of the stage is.
+    stage_word: Option<usize>,
+    /// Of the loaded state.
+    at: At,
+    /// The results of earlier rounds: every pixel's keys.
+    results: Vec<Vec<Vec<u64>>>,
+    /// A bound of rounds was hit.
+    full: bool,
     initial: Vec<u32>,
+}
+
+/// How far a program has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct At {
+    stage: u32,
+    round: u32,
+    /// Index of the results of earlier rounds.
+    results: u32,
+}
+
+impl At {
+    fn pack(self) -> u32 {
+        self.stage | self.round << 4 | self.results << 10
+    }
+
+    fn unpack(word: u32) -> Self {
+        Self { stage: word & 0xF, round: word >> 4 & 0x3F, results: word >> 10 }
+    }
 }
 
 /// What a move did.
@@ -75,17 +110,119 @@ impl<'a> Machine<'a> {
         device: Device,
         progress: bool,
     ) -> Self {
-        let [before, tasks, after] = litmus.passes(contract);
-        assert!(tasks.len() <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
+        let [before, mut stages, after] = litmus.stages(contract, |pass| shader.invocations(pass));
+        let flat = |stages: Vec<Stage>| stages.into_iter().flat_map(|s| s.tasks).collect();
+        let (before, after): (Vec<Task>, Vec<Task>) = (flat(before), flat(after));
+        let width = stages.iter().map(|s| s.tasks.len()).max().unwrap_or(0);
+        assert!(width <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
+        stages.iter_mut().for_each(|stage| stage.tasks.resize(width, Task::Idle));
         let mut forest = Forest::new(shader, cells, litmus.pixels, device.warp.is_some());
         let cleared = clear(&mut forest, &before, cells.count() as usize);
         let candidates = litmus.candidates();
-        let model = model::make(device.memory, cells, &cleared, &candidates, tasks.len());
-        let mut initial: Vec<u32> = tasks.iter().map(|&task| forest.root(task)).collect();
-        let head = initial.len() + usize::from(progress);
-        initial.resize(head, 0);
-        model.store(bits(tasks.len()), &mut initial);
-        Self { litmus, contract, forest, tasks, shader, cells, device, model, after, head, initial }
+        let model = model::make(device.memory, cells, &cleared, &candidates, width);
+        let several = stages.len() > 1 || contract.program.repeats;
+        let stage_word = several.then_some(width + usize::from(progress));
+        let head = width + usize::from(progress) + usize::from(several);
+        let mut machine = Self {
+            litmus,
+            contract,
+            forest,
+            stages,
+            width,
+            shader,
+            cells,
+            device,
+            model,
+            after,
+            head,
+            stage_word,
+            at: At::default(),
+            results: vec![vec![Vec::new(); litmus.pixels as usize]],
+            full: false,
+            initial: Vec::new(),
+        };
+        let mut initial = Vec::new();
+        machine.begin(At::default(), &mut initial);
+        machine.advance(&mut initial);
+        machine.initial = initial;
+        machine
+    }
+
+    /// Encode the beginning of a stage, on the present memory.
+    fn begin(&mut self, at: At, state: &mut Vec<u32>) {
+        self.at = at;
+        let tasks = self.stages[at.stage as usize].tasks.clone();
+        state.clear();
+        state.extend(tasks.into_iter().map(|task| self.forest.root(task)));
+        state.resize(self.head, 0);
+        if let Some(word) = self.stage_word {
+            state[word] = at.pack();
+        }
+        let live = self.live(&state[..self.width]);
+        self.model.store(live, state);
+    }
+
+    /// Encode the loaded memory behind a head, and begin the next stage if everybody has ended. What is wrong at a
+    /// barrier within the program, if anything is.
+    pub(super) fn settle(&mut self, state: &mut Vec<u32>) -> Option<String> {
+        let live = self.live(&state[..self.width]);
+        self.model.store(live, state);
+        if live == 0 { self.advance(state) } else { None }
+    }
+
+    /// Begin the next stage, or the next round, as long as nobody is left in the present one.
+    fn advance(&mut self, state: &mut Vec<u32>) -> Option<String> {
+        let mut wrong = None;
+        while self.live(&state[..self.width]) == 0 {
+            let at = self.at;
+            if (at.stage as usize) + 1 < self.stages.len() {
+                self.model.barrier(&BTreeMap::new());
+                self.begin(At { stage: at.stage + 1, ..at }, state);
+                continue;
+            }
+            if !self.contract.program.repeats {
+                break;
+            }
+            let (mut end, written, again) = self.resolved(&state[..self.width]);
+            if !again {
+                break;
+            }
+            if at.round == MOST_ROUNDS {
+                self.full = true;
+                break;
+            }
+            wrong = wrong.or(self.invariant(Moment::Quiet).err());
+            end.lists.iter_mut().for_each(|list| sort::canonical(list));
+            let known = self.results.iter().position(|r| *r == end.lists);
+            let results = known.unwrap_or_else(|| {
+                self.results.push(end.lists);
+                self.results.len() - 1
+            });
+            self.model.barrier(&written);
+            self.begin(At { stage: 0, round: at.round + 1, results: results as u32 }, state);
+        }
+        wrong
+    }
+
+    /// The stage of the loaded state.
+    pub(super) fn stage(&self) -> &Stage {
+        &self.stages[self.at.stage as usize]
+    }
+
+    /// Its number.
+    #[inline]
+    pub(super) fn stage_index(&self) -> usize {
+        self.at.stage as usize
+    }
+
+    /// The number of the stage of the loaded state, counted over all rounds.
+    pub(super) fn stage_number(&self) -> usize {
+        self.at.round as usize * self.stages.len() + self.at.stage as usize
+    }
+
+    /// Whether an invocation of the loaded state is a helper.
+    pub(super) fn is_helper(&self, invocation: usize) -> bool {
+        self.stage().is_helper(invocation)
     }
 
     pub(super) fn initial(&self) -> &[u32] {
@@ -99,7 +236,7 @@ impl<'a> Machine<'a> {
 
     /// Some operation was left out for want of room.
     pub(super) fn is_full(&self) -> bool {
-        self.model.full()
+        self.full || self.model.full()
     }
 
     pub(super) fn head(&self) -> usize {
@@ -118,6 +255,7 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn load(&mut self, state: &[u32]) {
+        self.at = self.stage_word.map_or(At::default(), |word| At::unpack(state[word]));
         self.model.load(&state[self.head..]);
     }
 
@@ -126,17 +264,15 @@ impl<'a> Machine<'a> {
         match self.forest.node(nodes[invocation]).step {
             Step::Ended(_) => 0,
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
-            Step::Operation(_, Action::Update(..)) if self.litmus.is_helper(invocation) => {
-                HELPER_RESULTS
-            }
-            Step::Operation(_, Action::Write(..)) if self.litmus.is_helper(invocation) => 1,
+            Step::Operation(_, Action::Update(..)) if self.is_helper(invocation) => HELPER_RESULTS,
+            Step::Operation(_, Action::Write(..)) if self.is_helper(invocation) => 1,
             Step::Operation(cell, action) => self.model.alternatives(invocation, cell, action),
         }
     }
 
     /// The locks that an invocation holds, one bit each. A helper holds none, whatever its updates returned.
     pub(super) fn held(&self, nodes: &[NodeId], invocation: usize) -> u32 {
-        let helps = self.litmus.is_helper(invocation);
+        let helps = self.is_helper(invocation);
         if helps { 0 } else { self.forest.node(nodes[invocation]).held }
     }
 
@@ -146,12 +282,12 @@ impl<'a> Machine<'a> {
         let invocation = usize::from(by.invocation);
         let (mut result, mut race) = (0, None);
         if let Step::Operation(cell, action) = step {
-            if self.litmus.is_helper(invocation) {
+            if self.is_helper(invocation) {
                 result = self.helper(invocation, cell, action, by.alternative);
             } else {
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
                 // What a helper reads has no effect, so that it is no race either.
-                race = self.model.race().filter(|race| !self.litmus.is_helper(race.other));
+                race = self.model.race().filter(|race| !self.is_helper(race.other));
             }
         }
         let node = self.forest.child(node, result);
@@ -160,7 +296,7 @@ impl<'a> Machine<'a> {
             _ => None,
         });
         // What a helper does to a lock has no effect, and what it believes to hold it does not.
-        let fault = fault.filter(|f| *f == Fault::Outside || !self.litmus.is_helper(invocation));
+        let fault = fault.filter(|f| *f == Fault::Outside || !self.is_helper(invocation));
         Moved { node, result, fault, race }
     }
 
@@ -180,11 +316,6 @@ impl<'a> Machine<'a> {
                 self.model.perform(invocation, cell, read, usize::from(alternative))
             }
         }
-    }
-
-    /// Encode the loaded memory behind a head.
-    pub(super) fn store(&self, live: u32, into: &mut Vec<u32>) {
-        self.model.store(live, into);
     }
 
     /// A lane may leave a block when every unfinished lane of its warp that is in the body of the same parent stands
@@ -214,19 +345,26 @@ impl<'a> Machine<'a> {
 
     /// How the loaded state ends, all invocations having ended: the lists after resolve.
     pub(super) fn finish(&mut self, nodes: &[NodeId]) -> Final {
-        let mut lists = vec![Vec::new(); self.litmus.pixels as usize];
-        let mut outcomes = Vec::new();
+        let (mut end, ..) = self.resolved(nodes);
+        end.lists.iter_mut().for_each(|list| sort::canonical(list));
+        end
+    }
+
+    /// The same, with the lists in any order, what resolve wrote, and whether some pixel needs another round.
+    fn resolved(&mut self, nodes: &[NodeId]) -> (Final, BTreeMap<u32, u64>, bool) {
+        let mut lists = self.results[self.at.results as usize].clone();
+        let (mut outcomes, mut again) = (Vec::new(), false);
         let mut found = |ended: &Ended| match ended {
-            Ended::Resolved(pixel, keys) => {
-                keys.clone_into(&mut lists[*pixel as usize]);
-                sort::canonical(&mut lists[*pixel as usize]);
+            Ended::Resolved(pixel, keys, more) => {
+                lists[*pixel as usize].extend_from_slice(keys);
+                again |= *more;
             }
             Ended::Stored(outcome) => outcomes.push(*outcome),
-            Ended::Cleared => {}
+            Ended::Done => {}
         };
         for (invocation, &node) in nodes.iter().enumerate() {
             if let Step::Ended(end) = self.forest.node(node).step
-                && !self.litmus.is_helper(invocation)
+                && !self.is_helper(invocation)
             {
                 found(self.forest.ended(end));
             }
@@ -242,13 +380,8 @@ impl<'a> Machine<'a> {
                 found(self.forest.ended(end));
             }
         }
-        Final { lists, outcomes }
+        (Final { lists, outcomes }, memory.written, again)
     }
-}
-
-/// Bits of the first `n` invocations.
-fn bits(n: usize) -> u32 {
-    if n >= 32 { u32::MAX } else { (1 << n) - 1 }
 }
 
 /// Words written by invocations that run one after another.

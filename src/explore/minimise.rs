@@ -110,7 +110,7 @@ fn cut(
     let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
     let device = Device { memory: MemoryModel::Sequential, warp: None };
     let moves = watched.steps.iter().map(|&i| Move { invocation: i as u8, alternative: 0 });
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     let (schedule, run) = follow(&*shader, subject, &litmus, device, moves);
     let property = [Property::Keeps, Property::Intact]
         .into_iter()
@@ -167,7 +167,7 @@ impl Failure {
 
     /// Whether a candidate shows the violation; its schedule if it does.
     fn shows(&self, litmus: &Litmus, moves: &[Move]) -> Option<Schedule> {
-        let shader = (self.subject.make)(&litmus.config());
+        let shader = (self.subject.make)(&litmus.config(self.subject.contract));
         let (schedule, run) =
             follow(&*shader, &self.subject, litmus, self.device, moves.iter().copied());
         run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
@@ -233,7 +233,7 @@ impl Failure {
         if self.litmus.fragments.len() > SEARCHED {
             return;
         }
-        let shader = (self.subject.make)(&self.litmus.config());
+        let shader = (self.subject.make)(&self.litmus.config(self.subject.contract));
         let contract = self.subject.contract;
         let explored = exhaustive::explore(&*shader, contract, &self.litmus, self.device, limits);
         if let Some(found) = explored.violations.get(&self.property)
@@ -244,7 +244,7 @@ impl Failure {
     }
 
     fn token(&self) -> Result<LitmusToken> {
-        let shader = (self.subject.make)(&self.litmus.config());
+        let shader = (self.subject.make)(&self.litmus.config(self.subject.contract));
         let contract = self.subject.contract;
         let run = run(&*shader, contract, &self.litmus, self.device, &self.schedule)?;
         let schedule: [&[Move]; 2] = [&self.schedule, &[]];

@@ -49,6 +49,6 @@ pub fn explore(
     device: Device,
     limits: &Limits<'_>,
 ) -> Explored {
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     exhaustive::explore(&*shader, subject.contract, litmus, device, limits)
 }

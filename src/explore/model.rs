@@ -153,6 +153,9 @@ pub(super) trait Model {
     /// Encode the state; `live` has a bit for every invocation that has not ended.
     fn store(&self, live: u32, into: &mut Vec<u32>);
 
+    /// A barrier between passes: everybody sees everything, and these words besides; who comes now is new.
+    fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>);
+
     /// What a word holds once all invocations are ordered before the reader; `None` if nobody wrote it.
     fn settled(&self, cell: u32) -> Option<u64>;
 }

@@ -98,7 +98,7 @@ pub fn ends(
     warp: Option<u32>,
     limits: &Limits<'_>,
 ) -> Option<Progressed> {
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     explore(&*shader, subject.contract, litmus, warp, limits)
 }
 
@@ -141,7 +141,7 @@ impl Endings<'_> {
             let lasso = Lasso { stem: self.space.path(stuck as StateId), cycle: Vec::new() };
             lassos = std::array::from_fn(|_| Some(lasso.clone()));
         }
-        let count = self.machine.tasks.len().min(MOST_INVOCATIONS);
+        let count = self.machine.width.min(MOST_INVOCATIONS);
         for set in 1..(1u64 << count) {
             if lassos.iter().all(Option::is_some) {
                 break;
@@ -152,7 +152,7 @@ impl Endings<'_> {
     }
 
     fn who(&mut self, state: StateId) -> Who {
-        let count = self.machine.tasks.len();
+        let count = self.machine.width;
         let words = self.space.get(state).to_vec();
         let nodes = &words[..count];
         let live = self.machine.live(nodes);
@@ -341,7 +341,7 @@ mod tests {
     fn look<T>(graph: Graph, at: impl Fn(&Endings<'_>) -> T) -> T {
         let subject = super::super::subject("z-buffer").expect("a method");
         let litmus = Litmus { pixels: 1, k: None, room: 1, fragments: vec![(0, 0, 0)], helpers: 0 };
-        let shader = (subject.make)(&litmus.config());
+        let shader = (subject.make)(&litmus.config(subject.contract));
         let cells = Cells::new(shader.layout(), 1);
         let device = Device { memory: MemoryModel::Sequential, warp: None };
         let machine = Machine::new(&*shader, subject.contract, &cells, &litmus, device, true);

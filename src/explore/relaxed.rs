@@ -84,6 +84,16 @@ struct Thread {
     rel: View,
 }
 
+/// Invocations that have done nothing.
+fn threads(empty: &View) -> Vec<Thread> {
+    let thread = |t: usize| {
+        let mut cur = empty.clone();
+        cur.clock[t] = 1;
+        Thread { cur, acq: empty.clone(), rel: empty.clone() }
+    };
+    (0..empty.clock.len()).map(thread).collect()
+}
+
 /// What an operation reads: a message, and the value it gets if nobody wrote it.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
@@ -107,18 +117,13 @@ impl Relaxed {
             };
             vec![Message { value, unwritten, view: empty.clone() }]
         };
-        let thread = |t: usize| {
-            let mut cur = empty.clone();
-            cur.clock[t] = 1;
-            Thread { cur, acq: empty.clone(), rel: empty.clone() }
-        };
         Self {
             profile,
             candidates: candidates.to_vec(),
             bits: (0..initial.len() as u32).map(|cell| cells.name(cell).bits).collect(),
             invocations,
             messages: initial.iter().map(message).collect(),
-            threads: (0..invocations).map(thread).collect(),
+            threads: threads(&empty),
             accesses: vec![[0; KINDS]; initial.len() * invocations],
             race: None,
             full: false,
@@ -355,6 +360,20 @@ impl Model for Relaxed {
 
     fn store(&self, live: u32, into: &mut Vec<u32>) {
         Canonical::new(self, live).encode(into);
+    }
+
+    fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>) {
+        let empty = View::new(self.messages.len(), self.invocations);
+        for messages in &mut self.messages {
+            messages.drain(..messages.len() - 1);
+            messages[0].view.clone_from(&empty);
+        }
+        for (&cell, &value) in written {
+            let message = &mut self.messages[cell as usize][0];
+            (message.value, message.unwritten) = (value, false);
+        }
+        self.threads = threads(&empty);
+        self.accesses.fill([0; KINDS]);
     }
 
     fn settled(&self, cell: u32) -> Option<u64> {

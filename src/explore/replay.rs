@@ -38,7 +38,7 @@ pub fn replay(token: &LitmusToken) -> Result<Replay> {
 /// # Errors
 /// Operations that are not the token's.
 pub fn replay_of(subject: &Subject, token: &LitmusToken) -> Result<Replay> {
-    let shader = (subject.make)(&token.litmus.config());
+    let shader = (subject.make)(&token.litmus.config(subject.contract));
     let schedule = token.schedule();
     let run = run(&*shader, subject.contract, &token.litmus, token.device(), &schedule)
         .map_err(|e| Error::new("TOKEN", format!("the token's {e}")))?;
@@ -91,13 +91,20 @@ impl Replay {
     #[must_use]
     pub fn table(&self) -> Vec<Vec<String>> {
         let mut heading = vec!["step".to_owned()];
-        let names = self.run.tasks.iter().enumerate();
-        heading.extend(names.map(|(i, task)| name(i, *task, self.run.helpers[i])));
+        let first = self.run.events.first().map_or(0, |event| event.stage);
+        heading.extend(self.names(first));
         heading.push("word".to_owned());
         heading.push(String::new());
         let mut rows = vec![heading];
-        let steps = self.run.events.len();
+        let (steps, mut stage) = (self.run.events.len(), first);
         for (i, event) in self.run.events.iter().enumerate() {
+            if event.stage != stage {
+                stage = event.stage;
+                let name = self.run.stages[stage % self.run.stages.len()].name;
+                let mut row = vec![format!("{name}:")];
+                row.extend(self.names(stage));
+                rows.push(row);
+            }
             if self.cycle > 0 && i + self.cycle == steps {
                 rows.push(vec!["for ever:".to_owned()]);
             }
@@ -106,12 +113,22 @@ impl Replay {
         rows
     }
 
+    /// Who is at work in a stage.
+    fn names(&self, stage: usize) -> Vec<String> {
+        let Some(stage) = self.run.stages.get(stage % self.run.stages.len().max(1)) else {
+            return Vec::new();
+        };
+        let all = stage.tasks.iter().enumerate();
+        all.map(|(i, task)| name(i, *task, stage.is_helper(i))).collect()
+    }
+
     fn row(&self, step: usize, event: &Event) -> Vec<String> {
         let mut row = vec![(step + 1).to_string()];
         let invocation = usize::from(event.by.invocation);
         row.resize(1 + invocation, String::new());
         row.push(told(event));
-        row.resize(1 + self.run.tasks.len(), String::new());
+        let width = self.run.stages.first().map_or(0, |stage| stage.tasks.len());
+        row.resize(1 + width, String::new());
         row.push(word(event));
         let mut remarks: Vec<String> = event.wrong.iter().map(|(_, told)| told.clone()).collect();
         if self.doomed_after == Some(step + 1) {
@@ -139,7 +156,12 @@ impl Replay {
 fn name(invocation: usize, task: Task, helper: bool) -> String {
     let helper = if helper { " helper" } else { "" };
     match task {
-        Task::Store(f) => format!("{} {:x}/{:x}{helper}", label(invocation), f.depth, f.data),
+        Task::Store(f) | Task::Prepare(_, f) => {
+            format!("{} {:x}/{:x}{helper}", label(invocation), f.depth, f.data)
+        }
+        Task::Screen(_, pixel) => format!("pixel {pixel}"),
+        Task::Frame(_, index) => format!("#{index}"),
+        Task::Idle => String::new(),
         Task::Clear(pixel) => format!("clear {pixel}"),
         Task::ClearFrame => "clear frame".to_owned(),
         Task::Resolve(pixel) => format!("resolve {pixel}"),

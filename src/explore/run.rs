@@ -2,7 +2,7 @@
 
 use super::exhaustive::Limits;
 use super::forest::{NodeId, Step};
-use super::litmus::Litmus;
+use super::litmus::{Litmus, Stage};
 use super::machine::{Device, Final, Machine, Moved};
 use super::model::Race;
 use super::property::{self, Property};
@@ -16,6 +16,8 @@ use crate::scheme::{Contract, Moment};
 /// One step of a run.
 #[derive(Clone, Debug)]
 pub struct Event {
+    /// Stages before this step, over all rounds.
+    pub stage: usize,
     /// Who moved, and how.
     pub by: Move,
     /// What it did; `None` for leaving a block.
@@ -35,10 +37,8 @@ pub struct Event {
 pub struct Run {
     /// The steps.
     pub events: Vec<Event>,
-    /// The invocations of the concurrent pass.
-    pub tasks: Vec<Task>,
-    /// Which of them are helpers.
-    pub helpers: Vec<bool>,
+    /// The invocations of every stage between two barriers, equally many.
+    pub stages: Vec<Stage>,
     /// How it ended, if every invocation did.
     pub end: Option<Final>,
     /// What is wrong with the end.
@@ -70,7 +70,7 @@ impl<'a> Runner<'a> {
     ) -> Self {
         let machine = Machine::new(shader, contract, cells, litmus, device, false);
         let state = machine.initial().to_vec();
-        let nodes = state[..machine.tasks.len()].to_vec();
+        let nodes = state[..machine.width].to_vec();
         Self { machine, nodes, state, events: Vec::new() }
     }
 
@@ -103,12 +103,8 @@ impl<'a> Runner<'a> {
         };
         let moved = self.machine.perform(node, by);
         let wrong = self.wrong(by, moved);
-        self.nodes[invocation] = moved.node;
-        let live = self.machine.live(&self.nodes);
-        self.state.clear();
-        self.state.extend_from_slice(&self.nodes);
-        self.machine.store(live, &mut self.state);
         let mut event = Event {
+            stage: self.machine.stage_number(),
             by,
             operation: self.operation(step),
             result: moved.result,
@@ -116,6 +112,12 @@ impl<'a> Runner<'a> {
             ended: self.ended(moved.node),
             wrong,
         };
+        self.state[invocation] = moved.node;
+        self.state.truncate(self.machine.head());
+        let at_barrier = self.machine.settle(&mut self.state);
+        event.wrong.extend(at_barrier.map(|told| (Property::Invariant, told)));
+        let width = self.nodes.len();
+        self.nodes.copy_from_slice(&self.state[..width]);
         self.look(&mut event.wrong);
         self.events.push(event);
         self.events.last()
@@ -134,9 +136,9 @@ impl<'a> Runner<'a> {
     fn ended(&self, node: NodeId) -> Option<String> {
         let Step::Ended(end) = self.machine.forest.node(node).step else { return None };
         Some(match self.machine.forest.ended(end) {
-            Ended::Cleared => "cleared".to_owned(),
+            Ended::Done => "done".to_owned(),
             Ended::Stored(outcome) => format!("{outcome:?}").to_lowercase(),
-            Ended::Resolved(_, keys) => property::keys(keys),
+            Ended::Resolved(_, keys, _) => property::keys(keys),
         })
     }
 
@@ -183,14 +185,18 @@ impl<'a> Runner<'a> {
 
     /// An invocation in words.
     fn name(&self, invocation: usize) -> String {
-        let helper = if self.machine.litmus.is_helper(invocation) { "helper " } else { "" };
-        match self.machine.tasks[invocation] {
-            Task::Store(f) => {
+        let stage = self.machine.stage();
+        let helper = if stage.is_helper(invocation) { "helper " } else { "" };
+        match stage.tasks[invocation] {
+            Task::Store(f) | Task::Prepare(_, f) => {
                 format!("{helper}fragment {} ({:x}/{:x})", label(invocation), f.depth, f.data)
             }
             Task::Clear(p) => format!("the clear of pixel {p}"),
             Task::ClearFrame => "the clear of the frame".to_owned(),
+            Task::Screen(_, p) => format!("'{}' of pixel {p}", stage.name),
+            Task::Frame(_, i) => format!("'{}' number {i}", stage.name),
             Task::Resolve(p) => format!("the resolve of pixel {p}"),
+            Task::Idle => "nobody".to_owned(),
         }
     }
 
@@ -224,14 +230,7 @@ impl<'a> Runner<'a> {
             wrong.extend(property::judge(self.machine.contract, self.machine.litmus, &run));
             end = Some(run);
         }
-        let helpers = (0..self.machine.tasks.len()).map(|i| self.machine.litmus.is_helper(i));
-        Run {
-            helpers: helpers.collect(),
-            events: self.events,
-            tasks: self.machine.tasks,
-            end,
-            wrong,
-        }
+        Run { events: self.events, stages: self.machine.stages, end, wrong }
     }
 
     /// Whether some way from the present state ends with nothing wrong: with the expected lists, and none of the
@@ -262,10 +261,9 @@ impl<'a> Runner<'a> {
                     self.machine.load(&state);
                     let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
-                    let mut next = nodes.clone();
+                    let mut next = state[..self.machine.head()].to_vec();
                     next[invocation] = moved.node;
-                    let live = self.machine.live(&next);
-                    self.machine.store(live, &mut next);
+                    self.machine.settle(&mut next);
                     space.insert(&next, at as u32, by);
                 }
             }

@@ -252,7 +252,7 @@ fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
 /// Explore one given instance, for one row per property.
 #[must_use]
 pub fn survey(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limits<'_>) -> Survey {
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     let explored = exhaustive::explore(&*shader, subject.contract, litmus, device, limits);
     let n = litmus.fragments.len() as u32;
     let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
@@ -283,7 +283,7 @@ pub fn sampled(
     if explored.complete {
         return Ok(survey);
     }
-    let shader = (subject.make)(&litmus.config());
+    let shader = (subject.make)(&litmus.config(subject.contract));
     let one = |seed: u64| {
         let settings = Settings {
             policy: policy::Kind::Random,

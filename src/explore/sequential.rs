@@ -104,6 +104,10 @@ impl Model for Sequential {
         into.extend_from_slice(&self.words);
     }
 
+    fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>) {
+        written.iter().for_each(|(&cell, &value)| self.set(cell, value));
+    }
+
     fn settled(&self, cell: u32) -> Option<u64> {
         let known = (cell as usize) < self.places.len() && !self.is_unwritten(cell);
         known.then(|| self.get(cell))

@@ -6,35 +6,13 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
-use crate::fragment::Fragment;
 use crate::memory::asked::{Asked, Cells, OpenBlock, Request, Site};
-use crate::memory::{Layout, Memory, Snapshot};
+use crate::memory::{Layout, Snapshot};
 use crate::scheme::catalogue::{self, Visitor};
-use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
+use crate::scheme::task::invoke;
+use crate::scheme::{Config, Contract, Moment, Scheme};
 
-/// What one invocation does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Task {
-    /// Clear the frame's words.
-    ClearFrame,
-    /// Clear a pixel.
-    Clear(u32),
-    /// Store a fragment.
-    Store(Fragment),
-    /// Resolve a pixel.
-    Resolve(u32),
-}
-
-/// What an invocation gave when it ended.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Ended {
-    /// Nothing, for a clear.
-    Cleared,
-    /// What became of the fragment, as far as its invocation knows.
-    Stored(Outcome),
-    /// A pixel's fragments, as they came out of memory.
-    Resolved(u32, Keys),
-}
+pub use crate::scheme::task::{Ended, Task};
 
 /// An answer to an invocation's question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +57,9 @@ pub(super) trait Shader: Sync + Send {
         pixel: u32,
         moment: Moment,
     ) -> std::result::Result<(), String>;
+
+    /// Invocations of a pass over the frame's words.
+    fn invocations(&self, pass: usize) -> u32;
 }
 
 /// A method that can be checked: of the catalogue by [`subject`], or anybody's by [`Subject::of`].
@@ -156,24 +137,9 @@ impl<S: Scheme + Send> Shader for Compiled<S> {
     ) -> std::result::Result<(), String> {
         self.scheme.invariant(words, pixel, moment)
     }
-}
 
-async fn invoke<S: Scheme, M: Memory>(scheme: &S, mem: &M, task: Task) -> Ended {
-    match task {
-        Task::ClearFrame => {
-            scheme.clear_frame(mem).await;
-            Ended::Cleared
-        }
-        Task::Clear(pixel) => {
-            scheme.clear(mem, pixel).await;
-            Ended::Cleared
-        }
-        Task::Store(fragment) => Ended::Stored(scheme.store(mem, fragment).await),
-        Task::Resolve(pixel) => {
-            let mut keys = Keys::new();
-            scheme.resolve(mem, pixel, &mut keys).await;
-            Ended::Resolved(pixel, keys)
-        }
+    fn invocations(&self, pass: usize) -> u32 {
+        self.scheme.invocations(pass)
     }
 }
 

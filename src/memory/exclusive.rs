@@ -13,6 +13,8 @@ use super::{Access, At, Atomic, Kind, Mark, Memory, Observer, Order, Pool, Space
 /// One worker's handle.
 #[derive(Clone, Copy, Debug)]
 pub struct Exclusive<'a, O> {
+    /// The pixel that the first record belongs to.
+    first: u32,
     pixel: OwnedView<'a>,
     global: SharedView<'a>,
     /// The next index of the tile's own range of every pool.
@@ -29,7 +31,24 @@ impl<'a, O: Observer> Exclusive<'a, O> {
         next: Option<&'a Cell<u32>>,
         observer: &'a O,
     ) -> Self {
-        Self { pixel: pixel.view(), global: global.view(), next, observer }
+        Self::from(0, pixel, global, next, observer)
+    }
+
+    /// A handle whose records are those of pixel `first` and the next ones.
+    #[must_use]
+    pub fn from(
+        first: u32,
+        pixel: &'a Owned,
+        global: &'a Shared,
+        next: Option<&'a Cell<u32>>,
+        observer: &'a O,
+    ) -> Self {
+        Self { first, pixel: pixel.view(), global: global.view(), next, observer }
+    }
+
+    #[inline(always)]
+    fn own<S, K, W>(&self, at: At<S, K, W>) -> At<S, K, W> {
+        at.on(at.pixel.wrapping_sub(self.first))
     }
 }
 
@@ -42,7 +61,11 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         access: Access,
     ) -> impl Future<Output = W> + Unpin {
         self.observer.read(access, W::BITS);
-        ready(if S::GLOBAL { self.global.read(at, access) } else { self.pixel.read(at, access) })
+        ready(if S::GLOBAL {
+            self.global.read(at, access)
+        } else {
+            self.pixel.read(self.own(at), access)
+        })
     }
 
     #[inline(always)]
@@ -56,7 +79,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         if S::GLOBAL {
             self.global.write(at, value, access);
         } else {
-            self.pixel.write(at, value, access);
+            self.pixel.write(self.own(at), value, access);
         }
         ready(())
     }
@@ -71,7 +94,7 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         let old = if S::GLOBAL {
             self.global.update(at, update, order)
         } else {
-            self.pixel.update(at, update, order)
+            self.pixel.update(self.own(at), update, order)
         };
         self.observer.update(update, old);
         ready(old)

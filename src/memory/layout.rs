@@ -78,6 +78,14 @@ impl<S, K, W> Clone for Words<S, K, W> {
 
 impl<S, K, W> Copy for Words<S, K, W> {}
 
+impl<S, K, W> At<S, K, W> {
+    /// The same word of another pixel.
+    #[inline(always)]
+    pub(super) fn on(self, pixel: u32) -> Self {
+        Self { pixel, ..self }
+    }
+}
+
 impl<S, K, W> Clone for At<S, K, W> {
     #[inline(always)]
     fn clone(&self) -> Self {
@@ -150,6 +158,7 @@ pub struct Layout {
     pixel: Sizes,
     global: Sizes,
     locks: Vec<u64>,
+    interlocks: u64,
 }
 
 impl Layout {
@@ -174,6 +183,19 @@ impl Layout {
         let words = self.pixel(1);
         self.locks.push(words.first);
         words
+    }
+
+    /// Declare the turn of the ordered interlock, a word for every pixel. It stands for what a device keeps in
+    /// hardware, and is no part of the method's own storage.
+    pub fn interlock(&mut self) -> Words<Pixel, Atomic, u32> {
+        self.interlocks += 1;
+        self.pixel(1)
+    }
+
+    /// Words of a pixel that stand for hardware.
+    #[must_use]
+    pub fn interlocks(&self) -> u64 {
+        self.interlocks
     }
 
     /// The 32-bit words of a pixel that are locks.

@@ -35,6 +35,14 @@ impl Batch {
         &self.fragments[..self.len]
     }
 
+    /// Number the fragments, in an order that `rank` knows by pixel.
+    #[inline]
+    pub fn rank(&mut self, mut rank: impl FnMut(u32) -> u32) {
+        for fragment in &mut self.fragments[..self.len] {
+            fragment.rank = rank(fragment.pixel);
+        }
+    }
+
     #[inline]
     fn push(&mut self, fragment: Fragment) {
         // The mask has 64 bits, so the index never wraps; the mask only spares the check.
@@ -81,7 +89,8 @@ impl FrontEnd {
             mask &= mask - 1;
             let (dx, dy) = (bit & 7, bit >> 3);
             let depth = format.encode(plane.code(plane.step(origin, dx, dy)));
-            batch.push(Fragment { pixel: first_pixel + bit, depth, data: data(x + dx, y + dy) });
+            let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy));
+            batch.push(Fragment { pixel, depth, data, rank: 0 });
         }
     }
 

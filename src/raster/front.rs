@@ -150,9 +150,10 @@ impl FrontEnd {
         (0..self.grid.tiles()).into_par_iter().map(tile).collect()
     }
 
-    /// The largest number of fragments at any pixel.
+    /// The depth-complexity histogram: for every number of fragments, how many storage pixels have it. Its length is
+    /// the largest number at any pixel, plus one.
     #[must_use]
-    pub fn max_depth_complexity(&self) -> u32 {
+    pub fn depth_complexity(&self) -> Vec<u64> {
         let tile = |t: usize| {
             let mut counts = vec![0u32; self.grid.pixels_per_tile()];
             self.packets(t, |p| {
@@ -163,9 +164,22 @@ impl FrontEnd {
                     mask &= mask - 1;
                 }
             });
-            counts.into_iter().max().unwrap_or(0)
+            let mut histogram = vec![0u64; counts.iter().max().map_or(0, |&f| f as usize) + 1];
+            counts.iter().for_each(|&f| histogram[f as usize] += 1);
+            histogram
         };
-        (0..self.grid.tiles()).into_par_iter().map(tile).max().unwrap_or(0)
+        let join = |mut a: Vec<u64>, b: Vec<u64>| {
+            a.resize(a.len().max(b.len()), 0);
+            a.iter_mut().zip(&b).for_each(|(a, b)| *a += b);
+            a
+        };
+        (0..self.grid.tiles()).into_par_iter().map(tile).reduce(|| vec![0], join)
+    }
+
+    /// The largest number of fragments at any pixel.
+    #[must_use]
+    pub fn max_depth_complexity(&self) -> u32 {
+        self.depth_complexity().len() as u32 - 1
     }
 }
 

@@ -72,7 +72,7 @@ pub fn render(scene: &Scene, options: &Options) -> Result<Rendering> {
 fn draw(
     scene: &Scene,
     options: &Options,
-    contract: &Contract,
+    contract: &'static Contract,
     threads: usize,
 ) -> Result<Rendering> {
     let mut watch = Stopwatch::start();
@@ -87,7 +87,7 @@ fn draw(
         record: record(options, contract),
         background: scene.background.map(word16),
         nearest: contract.reference_k(k),
-        racy: contract.racy,
+        contract,
         before_tile,
         threads,
     };
@@ -114,7 +114,8 @@ fn draw(
 
 /// What the method must know of the scene, measured only if it must; and the fragments before each tile.
 fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, Vec<u64>) {
-    let mut config = Config { k, generated: 0, max_depth_complexity: 0 };
+    let pixels = front.grid.storage_pixels() as u32;
+    let mut config = Config { k, pixels, ..Config::default() };
     let mut before_tile = Vec::new();
     match contract.demand {
         Demand::Generated => {
@@ -125,8 +126,16 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, 
                 *count = before;
             }
         }
-        Demand::MaxDepthComplexity if k.is_none() => {
+        Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
             config.max_depth_complexity = front.max_depth_complexity();
+        }
+        Demand::Bounded => {
+            let histogram = front.depth_complexity();
+            let bound = |f: usize| k.map_or(f as u64, |k| u64::from(k).min(f as u64));
+            config.bounded = (0..).zip(&histogram).map(|(f, &pixels)| bound(f) * pixels).sum();
+            config.generated = (0..).zip(&histogram).map(|(f, &pixels)| f as u64 * pixels).sum();
+            let pages = |f: usize| (f as u64).div_ceil(u64::from(contract.page));
+            config.pages = (0..).zip(&histogram).map(|(f, &pixels)| pages(f) * pixels).sum();
         }
         _ => {}
     }
@@ -196,7 +205,7 @@ impl Visitor for Run<'_> {
 }
 
 impl Run<'_> {
-    fn run<S: Scheme, O: Observer + Default>(&self) -> Result<Executed> {
+    fn run<S: Scheme, O: Observer + Default + Send>(&self) -> Result<Executed> {
         let mut layout = Layout::default();
         let scheme = S::new(&self.config, &mut layout);
         limits::storage(self.options, self.job, &layout)?;
@@ -205,8 +214,8 @@ impl Run<'_> {
         let mut executed =
             Executed { frame: Frame::default(), bytes, exec, schedule: None, watched: None };
         executed.frame = match &self.options.exec {
-            Exec::Tile => exec::tile::run::<S, O>(&scheme, &layout, self.job),
-            Exec::Threads => exec::threads::run::<S, O>(&scheme, &layout, self.job),
+            Exec::Tile => exec::tile::run::<O>(&scheme, &layout, self.job),
+            Exec::Threads => exec::threads::run::<O>(&scheme, &layout, self.job),
             Exec::Sim(sim) => {
                 let run = self.simulate::<S, O>(&scheme, &layout, sim)?;
                 (executed.schedule, executed.watched) = (run.schedule, run.watched);
@@ -216,7 +225,7 @@ impl Run<'_> {
         Ok(executed)
     }
 
-    fn simulate<S: Scheme, O: Observer + Default>(
+    fn simulate<S: Scheme, O: Observer + Default + Send>(
         &self,
         scheme: &S,
         layout: &Layout,
@@ -253,7 +262,7 @@ fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Exec
         deterministic: deterministic(contract, tally),
         max_depth_complexity: tally.max_depth_complexity,
         bytes: executed.bytes,
-        passes: contract.passes,
+        passes: contract.program.geometry(),
         counters: executed.frame.counters.by_name(),
         warnings: scene.warnings.clone(),
         violations: violations(contract, tally),

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
-use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
+use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The end of a list.
@@ -63,12 +63,15 @@ const CONTRACT: Contract = Contract {
     paper: "Yang, Hensley, Grün, Thibieroz 2010",
     section: "k+-buffer paper, 2 (LL)",
     form: Form::Correct,
-    passes: 1,
-    words: "1, and 3F + 1 for the frame",
+    program: Program::STORE,
+    words: "1",
+    frame_words: "3F + 1",
+    published_words: None,
     keeps: Keeps::All,
     exact_when: "the pool holds F nodes (it does)",
     arrival_dependent: false,
     racy: false,
+    judged: false,
     ties: "all kept; canonical after resolve",
     overflow: "drop, counted",
     needs: "32-bit atomic add and exchange, relaxed",
@@ -77,7 +80,8 @@ const CONTRACT: Contract = Contract {
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::Generated,
-    barriers: Barriers::ALL,
+    page: 1,
+    interlock: false,
     source: include_str!("ab_ll.rs"),
 };
 

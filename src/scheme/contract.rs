@@ -17,10 +17,16 @@ pub struct Contract {
     pub section: &'static str,
     /// What stands in this file: the correct form, the published one where that differs, or a built-in fault.
     pub form: Form,
-    /// Geometry passes.
-    pub passes: u32,
-    /// Words of 4 bytes per pixel (k: `-k`; n: slots; F: fragments of the frame), as a formula.
+    /// What runs between clear and resolve.
+    pub program: Program,
+    /// Words of 4 bytes per pixel: a sum of products of numbers and of k (`-k`) and n (slots: the largest depth
+    /// complexity, or `-k`).
     pub words: &'static str,
+    /// Words of 4 bytes for the frame: as above, with F (fragments of a geometry pass), S (the sum of min(f, k) over
+    /// pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks) and Q (pages).
+    pub frame_words: &'static str,
+    /// Words per pixel as its paper counts them, where it does: without what only our form needs.
+    pub published_words: Option<&'static str>,
     /// What a pixel holds after resolve.
     pub keeps: Keeps,
     /// Under which condition that equals the exact answer.
@@ -30,6 +36,8 @@ pub struct Contract {
     /// Whether it may depend on how concurrent invocations interleave, even for a given order of arrival: fragments
     /// may be lost, doubled or torn, and the run is judged against the generated multiset.
     pub racy: bool,
+    /// Whether its invocations cannot say what became of their fragments: the accounting compares lists instead.
+    pub judged: bool,
     /// What happens to fragments of equal depth.
     pub ties: &'static str,
     /// What happens when there is no room.
@@ -46,26 +54,130 @@ pub struct Contract {
     pub max_k: u32,
     /// What it must know of the scene before memory is allocated.
     pub demand: Demand,
-    /// The barriers between its passes.
-    pub barriers: Barriers,
+    /// Fragments for which one index of its pool is, if it has one.
+    pub page: u32,
+    /// Whether it needs the ordered interlock: each fragment then knows its rank among its pixel's, in API order.
+    pub interlock: bool,
     /// The text of its source file, by `include_str!`: from it, a check knows which operations there are to be reached.
     #[serde(skip)]
     pub source: &'static str,
 }
 
-/// Which barriers stand between passes. Only a fault leaves one out; the simulated device and the explorer then let the
-/// passes overlap.
+/// What runs between clear and resolve: passes in this order, each behind a barrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Barriers {
-    /// Between clear and store.
-    pub before_store: bool,
-    /// Between store and resolve.
-    pub before_resolve: bool,
+pub struct Program {
+    /// The passes; the last is the store pass.
+    pub passes: &'static [Pass],
+    /// The barrier before resolve.
+    pub before_resolve: Barrier,
+    /// Whether passes and resolve are repeated as long as a pixel asks for it ([`super::Scheme::again`]).
+    pub repeats: bool,
 }
 
-impl Barriers {
-    /// As it should be.
-    pub const ALL: Self = Self { before_store: true, before_resolve: true };
+/// One pass: a queue of invocations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Pass {
+    /// What it is for, in a word.
+    pub name: &'static str,
+    /// What its invocations are.
+    pub kind: Kind,
+    /// The barrier before it.
+    pub before: Barrier,
+}
+
+/// What a pass's invocations are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The store pass: one per fragment, and what becomes of it is accounted for.
+    Store,
+    /// An earlier geometry pass: one per fragment.
+    Prepare,
+    /// A full-screen pass: one per pixel.
+    Screen,
+    /// A pass over the frame's own words: as many as the scheme says.
+    Frame,
+}
+
+/// Who waits for whom between two passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Barrier {
+    /// Nobody: only a fault leaves a barrier out. The simulated device and the explorer then let the passes overlap.
+    Missing,
+    /// The invocations of a pixel for those of the same pixel.
+    Pixel,
+    /// All for all.
+    Frame,
+}
+
+impl Pass {
+    /// The store pass, behind a barrier.
+    #[must_use]
+    pub const fn store(before: Barrier) -> Self {
+        Self { name: "store", kind: Kind::Store, before }
+    }
+
+    /// Another pass, behind a barrier.
+    #[must_use]
+    pub const fn new(name: &'static str, kind: Kind, before: Barrier) -> Self {
+        Self { name, kind, before }
+    }
+
+    /// It runs over the scene's fragments.
+    #[must_use]
+    pub const fn is_geometry(&self) -> bool {
+        matches!(self.kind, Kind::Store | Kind::Prepare)
+    }
+}
+
+impl Program {
+    /// A store pass, and nothing else.
+    pub const STORE: Self = Self::of(&[Pass::store(Barrier::Pixel)]);
+
+    /// These passes, once.
+    #[must_use]
+    pub const fn of(passes: &'static [Pass]) -> Self {
+        Self { passes, before_resolve: Barrier::Pixel, repeats: false }
+    }
+
+    /// These passes, as long as a pixel asks for them.
+    #[must_use]
+    pub const fn repeated(passes: &'static [Pass]) -> Self {
+        Self { repeats: true, ..Self::of(passes) }
+    }
+
+    /// Geometry passes of one round.
+    #[must_use]
+    pub fn geometry(&self) -> u32 {
+        self.passes.iter().filter(|pass| pass.is_geometry()).count() as u32
+    }
+
+    /// Full-screen passes of one round, clear and resolve among them.
+    #[must_use]
+    pub fn full_screen(&self) -> u32 {
+        2 + self.passes.len() as u32 - self.geometry()
+    }
+
+    /// No pixel waits for another: all passes of one pixel may run before those of the next.
+    #[must_use]
+    pub fn is_local(&self) -> bool {
+        let barriers = self.passes.iter().map(|pass| pass.before).chain([self.before_resolve]);
+        barriers.max() != Some(Barrier::Frame)
+    }
+
+    /// Every barrier is there.
+    #[must_use]
+    pub const fn is_complete(&self) -> bool {
+        let mut pass = 0;
+        while pass < self.passes.len() {
+            if matches!(self.passes[pass].before, Barrier::Missing) {
+                return false;
+            }
+            pass += 1;
+        }
+        !matches!(self.before_resolve, Barrier::Missing)
+    }
 }
 
 /// Which form of a method this is.
@@ -104,9 +216,50 @@ pub enum Demand {
     Generated,
     /// The largest number of fragments at a pixel, unless `-k` is given.
     MaxDepthComplexity,
+    /// How many fragments there are at every pixel, each count bounded by k.
+    Bounded,
 }
 
 impl Contract {
+    /// What most methods have in common: one store pass, nothing asked of the scene, and no dependence on order. The
+    /// rest is for the method to say.
+    pub const BASE: Self = Self {
+        name: "",
+        title: "",
+        paper: "",
+        section: "",
+        form: Form::Correct,
+        program: Program::STORE,
+        words: "0",
+        frame_words: "0",
+        published_words: None,
+        keeps: Keeps::Nearest,
+        exact_when: "always",
+        arrival_dependent: false,
+        racy: false,
+        judged: false,
+        page: 1,
+        ties: "canonical: the smaller data word is nearer",
+        overflow: "none",
+        needs: "",
+        wgsl: None,
+        depth_format: None,
+        default_k: Some(8),
+        max_k: u32::MAX / 4,
+        demand: Demand::Nothing,
+        interlock: false,
+        source: "",
+    };
+
+    /// What keeps all: no `-k`.
+    pub const BASE_ALL: Self = Self {
+        keeps: Keeps::All,
+        ties: "all kept; canonical after resolve",
+        default_k: None,
+        max_k: u32::MAX,
+        ..Self::BASE
+    };
+
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.
     #[must_use]
     pub fn reference_k(&self, k: Option<u32>) -> Option<u32> {

@@ -3,7 +3,7 @@
 
 use crate::fragment::{Fragment, Packet};
 use crate::raster::{Batch, FrontEnd, Record};
-use crate::scheme::contract::{Barriers, Contract, Demand, Form, Keeps};
+use crate::scheme::contract::{Contract, Demand, Form, Keeps, Program};
 
 /// What the oracle promises.
 pub const CONTRACT: Contract = Contract {
@@ -12,12 +12,15 @@ pub const CONTRACT: Contract = Contract {
     paper: "Carpenter 1984",
     section: "-",
     form: Form::Correct,
-    passes: 1,
+    program: Program::STORE,
     words: "2 f(p)",
+    frame_words: "0",
+    published_words: None,
     keeps: Keeps::Nearest,
     exact_when: "always; all fragments unless -k is given",
     arrival_dependent: false,
     racy: false,
+    judged: false,
     ties: "canonical: the smaller data word is nearer",
     overflow: "none",
     needs: "nothing: it is sequential",
@@ -26,7 +29,8 @@ pub const CONTRACT: Contract = Contract {
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::Nothing,
-    barriers: Barriers::ALL,
+    page: 1,
+    interlock: false,
     source: include_str!("exact.rs"),
 };
 

@@ -25,7 +25,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words, both};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
+use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -110,12 +110,15 @@ const CONTRACT: Contract = Contract {
     paper: "Vasilakis, Fudos 2014",
     section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
     form: Form::Correct,
-    passes: 1,
+    program: Program::STORE,
     words: "2k + 2",
+    frame_words: "0",
+    published_words: Some("2k + 2"),
     keeps: Keeps::Nearest,
     exact_when: "always",
     arrival_dependent: false,
     racy: false,
+    judged: false,
     ties: "canonical: the smaller data word is nearer",
     overflow: "the farthest is evicted",
     needs: "acquire and release on a 32-bit word; forward progress of the lock's holder",
@@ -124,7 +127,8 @@ const CONTRACT: Contract = Contract {
     default_k: Some(8),
     max_k: u32::MAX / 4,
     demand: Demand::Nothing,
-    barriers: Barriers::ALL,
+    page: 1,
+    interlock: false,
     source: include_str!("kplus_array.rs"),
 };
 

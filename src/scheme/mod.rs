@@ -5,6 +5,11 @@
 //! passes stands a barrier; within a pass, invocations run in any order and at the same time. What a scheme promises
 //! is its [`Contract`], which the tests, the commands and the docs read. Adding a scheme is one file and one line in
 //! [`catalogue`].
+//!
+//! A frame is a clear pass, then one or more *rounds*. A round is the contract's [`contract::Program`]: passes over
+//! fragments, pixels or the frame's words, the last of which is the store pass; and resolve. Most methods have the
+//! store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks for it
+//! in [`Scheme::again`], as an application does that reads an occlusion query.
 
 pub mod ab_array;
 pub mod ab_ll;
@@ -17,7 +22,13 @@ pub mod kb;
 pub mod kplus_array;
 pub mod kplus_array_published;
 pub mod lock;
+pub mod max_array;
+pub mod max_heap;
 pub mod mutation;
+pub mod ranges;
+pub mod select;
+pub mod slots;
+pub mod task;
 pub mod z_buffer;
 
 use std::future::Future;
@@ -29,14 +40,20 @@ use crate::fragment::Fragment;
 use crate::memory::{Layout, Memory, Snapshot};
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Config {
     /// Fragments kept per pixel, at least 1; `None` where the method keeps all or takes the scene's own bound.
     pub k: Option<u32>,
+    /// Pixels with storage: indices of pixels are below this.
+    pub pixels: u32,
     /// Fragments of one geometry pass over the scene.
     pub generated: u64,
     /// The largest number of fragments at any pixel.
     pub max_depth_complexity: u32,
+    /// The sum over all pixels of their number of fragments, bounded by k where there is one.
+    pub bounded: u64,
+    /// Pages that hold all fragments of every pixel, by the contract's size of a page.
+    pub pages: u64,
 }
 
 /// What became of a fragment, as far as its own invocation can tell.
@@ -84,7 +101,37 @@ pub trait Scheme: Sync + Sized {
     /// Clear pass, one invocation per pixel. Words it does not write hold anything.
     fn clear<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = ()>;
 
-    /// Store pass, one invocation per fragment.
+    /// An earlier geometry pass, number `pass` of the program, one invocation per fragment.
+    fn prepare<M: Memory>(
+        &self,
+        mem: &M,
+        pass: usize,
+        fragment: Fragment,
+    ) -> impl Future<Output = ()> {
+        let _ = (mem, pass, fragment);
+        std::future::ready(())
+    }
+
+    /// A full-screen pass, number `pass` of the program, one invocation per pixel.
+    fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) -> impl Future<Output = ()> {
+        let _ = (mem, pass, pixel);
+        std::future::ready(())
+    }
+
+    /// A pass over the frame's words, number `pass` of the program: the invocation `index` of [`Self::invocations`].
+    fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) -> impl Future<Output = ()> {
+        let _ = (mem, pass, index);
+        std::future::ready(())
+    }
+
+    /// How many invocations a pass over the frame's words has.
+    fn invocations(&self, pass: usize) -> u32 {
+        let _ = pass;
+        0
+    }
+
+    /// Store pass, one invocation per fragment. Where the program repeats, what it says of a fragment in the last
+    /// round is what became of it.
     fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome>;
 
     /// What must be true of a pixel's words, beyond what every method promises; checks look at it in every state.
@@ -98,4 +145,10 @@ pub trait Scheme: Sync + Sized {
 
     /// Resolve pass, one invocation per pixel: append the pixel's fragments to `keys`, in any order.
     fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) -> impl Future<Output = ()>;
+
+    /// At the end of a pixel's resolve, where the program repeats: whether it needs another round.
+    fn again<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = bool> {
+        let _ = (mem, pixel);
+        std::future::ready(false)
+    }
 }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::{EMPTY, FARTHEST};
-use crate::scheme::contract::{Barriers, Demand, Form, Keeps};
+use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
@@ -45,12 +45,15 @@ const CONTRACT: Contract = Contract {
     paper: "Catmull 1974",
     section: "k+-buffer paper, 3.4 (k = 1)",
     form: Form::Correct,
-    passes: 1,
+    program: Program::STORE,
     words: "2",
+    frame_words: "0",
+    published_words: None,
     keeps: Keeps::One,
     exact_when: "always (k = 1)",
     arrival_dependent: false,
     racy: false,
+    judged: false,
     ties: "canonical: the smaller data word stays",
     overflow: "none",
     needs: "64-bit atomic min, relaxed",
@@ -59,7 +62,8 @@ const CONTRACT: Contract = Contract {
     default_k: None,
     max_k: u32::MAX,
     demand: Demand::Nothing,
-    barriers: Barriers::ALL,
+    page: 1,
+    interlock: false,
     source: include_str!("z_buffer.rs"),
 };
 

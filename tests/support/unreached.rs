@@ -3,7 +3,7 @@
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use fragloom::num::depth::EMPTY;
-use fragloom::scheme::contract::{Barriers, Demand, Form, Keeps};
+use fragloom::scheme::contract::{Demand, Form, Keeps, Program};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Keeps the smallest key, in one 64-bit word.
@@ -18,12 +18,15 @@ impl Scheme for Unreached {
         paper: "",
         section: "",
         form: Form::Correct,
-        passes: 1,
+        program: Program::STORE,
         words: "2",
+        frame_words: "0",
+        published_words: None,
         keeps: Keeps::One,
         exact_when: "always",
         arrival_dependent: false,
         racy: false,
+        judged: false,
         ties: "canonical",
         overflow: "the farther one is dropped",
         needs: "64-bit atomic minimum",
@@ -32,7 +35,8 @@ impl Scheme for Unreached {
         default_k: None,
         max_k: 1,
         demand: Demand::Nothing,
-        barriers: Barriers::ALL,
+        page: 1,
+        interlock: false,
         source: include_str!("unreached.rs"),
     };
 

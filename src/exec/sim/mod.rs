@@ -58,12 +58,7 @@ pub fn run<S: Scheme, O: Observer + Default>(
     let mut watch = Stopwatch::start();
     let mut passes = Passes::new(job);
     let mut recording = settings.watch.map(Recording::new);
-    // A constant block: the compiler makes only that branch's code.
-    if const { S::CONTRACT.barriers.before_store && S::CONTRACT.barriers.before_resolve } {
-        passes.apart(&mut device, recording.as_mut(), &mut watch)?;
-    } else {
-        passes.overlapping(&mut device, S::CONTRACT.barriers, recording.as_mut(), &mut watch)?;
-    }
+    passes.run(scheme, &mut device, recording.as_mut(), &mut watch)?;
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
     let Passes { generated, gone, reports, mut lists, .. } = passes;

@@ -1,6 +1,6 @@
 //! The passes of a frame, one after another; or overlapping, where a contract lacks a barrier.
 
-use super::device::{Device, Done, Work};
+use super::device::Device;
 use super::submission::Submission;
 use super::watch::Recording;
 use crate::error::Result;
@@ -8,17 +8,30 @@ use crate::exec::clock::Stopwatch;
 use crate::exec::{Job, Tally};
 use crate::fragment::Fragment;
 use crate::memory::Observer;
-use crate::scheme::contract::Barriers;
+use crate::scheme::contract::{Barrier, Form, Kind, Pass};
+use crate::scheme::task::{Ended, Task};
 use crate::scheme::{Keys, Scheme};
 
 /// What they leave behind besides memory, by storage pixel.
 pub(super) struct Passes<'a> {
     job: &'a Job<'a>,
     pub(super) generated: Vec<u32>,
-    /// Fragments reported as not kept.
+    /// Fragments reported as not kept, in the last round.
     pub(super) gone: Vec<u32>,
     pub(super) reports: Tally,
+    /// The fragments of all rounds.
     pub(super) lists: Vec<Keys>,
+}
+
+/// Work of some passes.
+type Queue<'a> = Box<dyn Iterator<Item = Task> + 'a>;
+
+/// What stands in one queue.
+#[derive(Clone, Copy)]
+enum Part<'a> {
+    Clear,
+    Pass(usize, &'a Pass),
+    Resolve,
 }
 
 impl<'a> Passes<'a> {
@@ -33,67 +46,118 @@ impl<'a> Passes<'a> {
         }
     }
 
-    /// One after another.
-    pub(super) fn apart<S: Scheme, O: Observer>(
+    /// Clear, and rounds until no pixel asks for another.
+    pub(super) fn run<S: Scheme, O: Observer>(
         &mut self,
+        scheme: &S,
         device: &mut Device<'_, S, O>,
-        recording: Option<&mut Recording>,
-        watch: &mut Stopwatch,
-    ) -> Result<()> {
-        let Self { job, generated, gone, reports, lists } = self;
-        device.clear(clears(job))?;
-        watch.lap("clear");
-        let done = |fragment: &Fragment, outcome| {
-            gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
-        };
-        device.store(Submission::new(job, generated), done, recording)?;
-        watch.lap("store");
-        device.resolve(pixels(job), |&pixel, keys| lists[pixel as usize] = keys)
-    }
-
-    /// Passes without a barrier between them are one queue: the later one's invocations take the slots that become
-    /// free.
-    pub(super) fn overlapping<S: Scheme, O: Observer>(
-        &mut self,
-        device: &mut Device<'_, S, O>,
-        barriers: Barriers,
         mut recording: Option<&mut Recording>,
         watch: &mut Stopwatch,
     ) -> Result<()> {
-        let Self { job, generated, gone, reports, lists } = self;
-        let mut done = |work: &Work, done| match (work, done) {
-            (Work::Store(fragment), Done::Stored(outcome)) => {
-                gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
-            }
-            (Work::Resolve(pixel), Done::Resolved(keys)) => lists[*pixel as usize] = keys,
-            _ => {}
-        };
-        let stores = Submission::new(job, generated).map(Work::Store);
-        let later: [(bool, Queue<'_>); 2] = [
-            (barriers.before_store, Box::new(stores)),
-            (barriers.before_resolve, Box::new(pixels(job).map(Work::Resolve))),
-        ];
-        let mut queue: Queue<'_> = Box::new(clears(job).map(Work::Clear));
-        for (barrier, next) in later {
-            if barrier {
-                device.mixed(queue, &mut done, recording.as_deref_mut())?;
-                queue = next;
-            } else {
-                queue = Box::new(queue.chain(next));
+        let program = &S::CONTRACT.program;
+        // Passes without a barrier between them are one queue: the later one's invocations take the slots that become
+        // free.
+        let mut queues: Vec<Vec<Part<'_>>> = vec![vec![Part::Clear]];
+        let passes = program.passes.iter().enumerate();
+        let parts = passes.map(|(number, pass)| (pass.before, Part::Pass(number, pass)));
+        for (before, part) in parts.chain([(program.before_resolve, Part::Resolve)]) {
+            match queues.last_mut() {
+                Some(queue) if before == Barrier::Missing => queue.push(part),
+                _ => queues.push(vec![part]),
             }
         }
-        device.mixed(queue, &mut done, recording)?;
-        watch.lap("store");
-        Ok(())
+        let mut round = 0;
+        loop {
+            let mut again = false;
+            // What overlaps with clear is not repeated with it: faults of that kind have one round.
+            for queue in &queues[usize::from(round > 0)..] {
+                let name =
+                    self.queue(scheme, device, queue, recording.as_deref_mut(), &mut again)?;
+                watch.lap(name);
+            }
+            if !again {
+                return Ok(());
+            }
+            round += 1;
+        }
     }
-}
 
-/// Work of any passes; of one type, since it is rare.
-type Queue<'a> = Box<dyn Iterator<Item = Work> + 'a>;
-
-/// The frame's words, then every pixel's.
-fn clears(job: &Job<'_>) -> impl Iterator<Item = Option<u32>> {
-    std::iter::once(None).chain(pixels(job).map(Some))
+    /// Run one queue; its name.
+    fn queue<S: Scheme, O: Observer>(
+        &mut self,
+        scheme: &S,
+        device: &mut Device<'_, S, O>,
+        parts: &[Part<'_>],
+        recording: Option<&mut Recording>,
+        again: &mut bool,
+    ) -> Result<&'static str> {
+        let Self { job, generated, gone, reports, lists } = self;
+        let stores = |part: &Part<'_>| matches!(part, Part::Pass(_, p) if p.kind == Kind::Store);
+        if parts.iter().any(stores) {
+            gone.fill(0);
+            *reports = Tally::default();
+        }
+        // A constant condition: for a fault, the compiler makes no code of its own.
+        if const { !matches!(S::CONTRACT.form, Form::Mutation) && S::CONTRACT.program.is_complete() }
+            && parts.iter().all(stores)
+        {
+            let done = |fragment: &Fragment, outcome| {
+                gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
+            };
+            device.store(Submission::new(job, generated), done, recording)?;
+            return Ok("store");
+        }
+        let mut done = |task: &Task, ended| match (task, ended) {
+            (Task::Store(fragment), Ended::Stored(outcome)) => {
+                gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
+            }
+            (_, Ended::Resolved(pixel, mut keys, more)) => {
+                let list = &mut lists[pixel as usize];
+                if list.is_empty() {
+                    *list = keys
+                } else {
+                    list.append(&mut keys)
+                }
+                *again |= more;
+            }
+            _ => {}
+        };
+        let mut counts = Some(&mut *generated);
+        let mut name = "resolve";
+        let mut work: Queue<'_> = Box::new(std::iter::empty());
+        // The store pass counts what is generated; an earlier geometry pass counts it for nobody.
+        for part in parts {
+            let next: Queue<'_> = match *part {
+                Part::Clear => {
+                    name = "clear";
+                    Box::new(std::iter::once(Task::ClearFrame).chain(pixels(job).map(Task::Clear)))
+                }
+                Part::Resolve => Box::new(pixels(job).map(Task::Resolve)),
+                Part::Pass(number, pass) => {
+                    name = pass.name;
+                    let place = number as u8;
+                    match pass.kind {
+                        Kind::Screen => Box::new(pixels(job).map(move |p| Task::Screen(place, p))),
+                        Kind::Frame => {
+                            let all = 0..scheme.invocations(number);
+                            Box::new(all.map(move |index| Task::Frame(place, index)))
+                        }
+                        Kind::Prepare => {
+                            let all = Submission::uncounted(job);
+                            Box::new(all.map(move |fragment| Task::Prepare(place, fragment)))
+                        }
+                        Kind::Store => match counts.take() {
+                            Some(counts) => Box::new(Submission::new(job, counts).map(Task::Store)),
+                            None => Box::new(Submission::uncounted(job).map(Task::Store)),
+                        },
+                    }
+                }
+            };
+            work = Box::new(work.chain(next));
+        }
+        device.tasks(work, &mut done, recording)?;
+        Ok(name)
+    }
 }
 
 /// The storage places that are pixels of the image.

@@ -8,7 +8,7 @@ use crate::raster::Batch;
 pub(super) struct Submission<'a> {
     job: &'a Job<'a>,
     /// Fragments so far at each pixel.
-    generated: &'a mut [u32],
+    generated: Counts<'a>,
     primitive: u32,
     packets: Vec<Packet>,
     next_packet: usize,
@@ -16,8 +16,26 @@ pub(super) struct Submission<'a> {
     next_fragment: usize,
 }
 
+/// Counts of the caller's, or of our own if there need to be any.
+enum Counts<'a> {
+    Given(&'a mut [u32]),
+    Own(Vec<u32>),
+}
+
 impl<'a> Submission<'a> {
+    /// Counts what is generated, from zero.
     pub(super) fn new(job: &'a Job<'a>, generated: &'a mut [u32]) -> Self {
+        generated.fill(0);
+        Self::from(job, Counts::Given(generated))
+    }
+
+    /// Of another geometry pass.
+    pub(super) fn uncounted(job: &'a Job<'a>) -> Self {
+        let pixels = if job.contract.interlock { job.front.grid.storage_pixels() } else { 0 };
+        Self::from(job, Counts::Own(vec![0; pixels]))
+    }
+
+    fn from(job: &'a Job<'a>, generated: Counts<'a>) -> Self {
         Self {
             job,
             generated,
@@ -57,9 +75,18 @@ impl Iterator for Submission<'_> {
         if self.next_fragment == self.batch.fragments().len() && !self.refill() {
             return None;
         }
-        let fragment = self.batch.fragments()[self.next_fragment];
+        let mut fragment = self.batch.fragments()[self.next_fragment];
         self.next_fragment += 1;
-        self.generated[fragment.pixel as usize] += 1;
+        let count = match &mut self.generated {
+            Counts::Given(counts) => counts.get_mut(fragment.pixel as usize),
+            Counts::Own(counts) => counts.get_mut(fragment.pixel as usize),
+        };
+        if let Some(count) = count {
+            if self.job.contract.interlock {
+                fragment.rank = *count;
+            }
+            *count += 1;
+        }
         Some(fragment)
     }
 }

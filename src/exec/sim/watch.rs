@@ -1,8 +1,8 @@
 //! Watching a pixel: its fragments, and the part of the schedule that is their own.
 
-use super::device::Work;
 use super::pass::Watcher;
 use crate::fragment::Fragment;
+use crate::scheme::task::Task;
 
 /// What happened at a pixel in the store pass.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -59,9 +59,9 @@ impl Watcher<Fragment> for Recording {
 }
 
 /// Where passes overlap, stores are told from the rest.
-impl Watcher<Work> for Recording {
-    fn takes(&mut self, slot: u32, work: &Work) {
-        let Work::Store(fragment) = work else { return self.note(slot, None) };
+impl Watcher<Task> for Recording {
+    fn takes(&mut self, slot: u32, work: &Task) {
+        let Task::Store(fragment) = work else { return self.note(slot, None) };
         self.note(slot, Some(fragment));
     }
 

@@ -3,7 +3,7 @@
 
 use super::{CONTRACT, Contract, Patience, Unlock, Variant};
 use crate::memory::{Access, Order};
-use crate::scheme::contract::Barriers;
+use crate::scheme::contract::{Barrier, Pass, Program};
 
 /// Where only memory orders differ.
 const SEQUENTIAL: &str = "under sequential consistency only";
@@ -141,7 +141,7 @@ pub enum NoBarrierBeforeStore {}
 
 impl Variant for NoBarrierBeforeStore {
     const CONTRACT: Contract = Contract {
-        barriers: Barriers { before_store: false, ..Barriers::ALL },
+        program: Program::of(&[Pass::store(Barrier::Missing)]),
         ..CONTRACT.fault(
             "kplus-array@M17",
             "Fault M17: no barrier between clear and store",
@@ -156,7 +156,7 @@ pub enum NoBarrierBeforeResolve {}
 
 impl Variant for NoBarrierBeforeResolve {
     const CONTRACT: Contract = Contract {
-        barriers: Barriers { before_resolve: false, ..Barriers::ALL },
+        program: Program { before_resolve: Barrier::Missing, ..Program::STORE },
         ..CONTRACT.fault(
             "kplus-array@M17-resolve",
             "Fault M17: no barrier between store and resolve",

@@ -1,0 +1,58 @@
+//! What one invocation does, as data: for those who run invocations of several passes at once, or of methods whose
+//! type they do not know.
+
+use super::{Keys, Outcome, Scheme};
+use crate::fragment::Fragment;
+use crate::memory::Memory;
+
+/// What one invocation does. Passes are numbered as in the contract's program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Task {
+    /// Nothing.
+    Idle,
+    /// Clear the frame's words.
+    ClearFrame,
+    /// Clear a pixel.
+    Clear(u32),
+    /// An earlier geometry pass's part for a fragment.
+    Prepare(u8, Fragment),
+    /// A full-screen pass's part for a pixel.
+    Screen(u8, u32),
+    /// One invocation of a pass over the frame's words.
+    Frame(u8, u32),
+    /// Store a fragment.
+    Store(Fragment),
+    /// Resolve a pixel, and say whether it needs another round.
+    Resolve(u32),
+}
+
+/// What an invocation gave when it ended.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Ended {
+    /// Nothing.
+    Done,
+    /// What became of the fragment, as far as its invocation knows.
+    Stored(Outcome),
+    /// A pixel's fragments, as they came out of memory, and whether it needs another round.
+    Resolved(u32, Keys, bool),
+}
+
+/// Run an invocation.
+pub async fn invoke<S: Scheme, M: Memory>(scheme: &S, mem: &M, task: Task) -> Ended {
+    match task {
+        Task::Idle => {}
+        Task::ClearFrame => scheme.clear_frame(mem).await,
+        Task::Clear(pixel) => scheme.clear(mem, pixel).await,
+        Task::Prepare(pass, fragment) => scheme.prepare(mem, usize::from(pass), fragment).await,
+        Task::Screen(pass, pixel) => scheme.screen(mem, usize::from(pass), pixel).await,
+        Task::Frame(pass, index) => scheme.frame(mem, usize::from(pass), index).await,
+        Task::Store(fragment) => return Ended::Stored(scheme.store(mem, fragment).await),
+        Task::Resolve(pixel) => {
+            let mut keys = Keys::new();
+            scheme.resolve(mem, pixel, &mut keys).await;
+            let again = S::CONTRACT.program.repeats && scheme.again(mem, pixel).await;
+            return Ended::Resolved(pixel, keys, again);
+        }
+    }
+    Ended::Done
+}
