@@ -67,7 +67,15 @@ pub const CLAIMS: &[Claim] = &[
         "3.1, 3.2, Algorithms 1 and 3",
         "after any interleaving a pixel holds exactly its k nearest fragments; the cull test outside of the lock never \
          loses one",
-        &["kplus-array", "kplus-array@published", "kplus-array@root-first"],
+        &[
+            "kplus-array",
+            "kplus-array@published",
+            "kplus-array@root-first",
+            "kplus-heap",
+            "kplus-heap@published",
+            "kplus-heap@root-first",
+            "kplus-sb",
+        ],
     ),
     Claim {
         properties: &[Property::Keeps, Property::Intact, Property::MutualExclusion],
@@ -76,7 +84,13 @@ pub const CLAIMS: &[Claim] = &[
             KPLUS,
             "3.1, Algorithm 1",
             "a plain store is enough to release the lock: the next holder sees all that was written under it",
-            &["kplus-array", "kplus-array@M1", "kplus-array@published"],
+            &[
+                "kplus-array",
+                "kplus-array@M1",
+                "kplus-array@published",
+                "kplus-heap",
+                "kplus-heap@M1",
+            ],
         )
     },
     Claim {
@@ -87,7 +101,21 @@ pub const CLAIMS: &[Claim] = &[
             "3.4",
             "with k = 1 a pixel holds the nearest fragment (a Z-buffer), with k at least the number of fragments all of \
              them (an A-buffer), also on the near and far planes and at equal depths",
-            &["kplus-array", "kplus-array@published", "kb", "z-buffer", "ab-array", "ab-ll"],
+            &[
+                "kplus-array",
+                "kplus-array@published",
+                "kplus-heap",
+                "kplus-sb",
+                "kplus-sb@heap",
+                "kb",
+                "kb-mdt64",
+                "kb-ps",
+                "kb-ab-ll",
+                "z-buffer",
+                "ab-array",
+                "ab-ll",
+                "s-buffer",
+            ],
         )
     },
     Claim {
@@ -101,14 +129,24 @@ pub const CLAIMS: &[Claim] = &[
             &["kb", "kplus-array", "kplus-array@published"],
         )
     },
-    claim("C5", KPLUS, "2, 4", "kb-mdt32 loses precision, the k+-buffer does not", &[]),
     claim(
-        "C6",
+        "C5",
         KPLUS,
-        "3.3",
-        "a count pass bounded by k gives kplus-sb exactly the memory it needs",
-        &[],
+        "2, 4",
+        "conversion of depths loses nothing: said to fail for kb-mdt32, where fragments that become equal are confused, \
+         and to hold for the k+-buffer",
+        &["kb-mdt32", "kplus-array", "kplus-heap"],
     ),
+    Claim {
+        properties: &[Property::Keeps, Property::Intact, Property::Invariant],
+        ..claim(
+            "C6",
+            KPLUS,
+            "3.3, Algorithm 3",
+            "a count pass bounded by k gives kplus-sb exactly the memory it needs: it never counts beyond k",
+            &["kplus-sb", "kplus-sb@heap", "kplus-sb@published"],
+        )
+    },
     claim(
         "C7",
         IMPORTANCE,

@@ -10,6 +10,13 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A place in a file: line and column, from 1.
 pub(super) type Place = (u32, u32);
 
+/// Parts that several methods share: a call of theirs is no operation, but has some.
+const SHARED: [&str; 3] = [
+    include_str!("../scheme/max_array.rs"),
+    include_str!("../scheme/max_heap.rs"),
+    include_str!("../scheme/ranges.rs"),
+];
+
 /// The operations of a source, by place, with the called name.
 pub(super) fn operations(source: &str) -> BTreeMap<Place, String> {
     let code = Code::new(source);
@@ -18,8 +25,11 @@ pub(super) fn operations(source: &str) -> BTreeMap<Place, String> {
     for at in code.find_all(".await") {
         let Some(name) = code.called_before(at) else { continue };
         let text: String = code.chars[name.clone()].iter().collect();
-        let local =
-            code.has(&format!("async fn {text}(")) || code.has(&format!("async fn {text}<"));
+        let defines = |code: &str| {
+            code.contains(&format!("async fn {text}("))
+                || code.contains(&format!("async fn {text}<"))
+        };
+        let local = defines(&code.text) || SHARED.iter().any(|part| defines(part));
         if text == "merge" || local || skipped.iter().any(|range| range.contains(&name.start)) {
             continue;
         }
@@ -70,10 +80,6 @@ impl Code {
         }
         let text = chars.iter().collect();
         Self { chars, text }
-    }
-
-    fn has(&self, text: &str) -> bool {
-        self.text.contains(text)
     }
 
     fn find_all(&self, text: &str) -> Vec<usize> {

@@ -3,9 +3,19 @@
 use super::ab_array::{self, AbArray, AtomicAdd};
 use super::ab_ll::{self, AbLinkedList};
 use super::contract::Contract;
+use super::dfb::DynamicFragmentBuffer;
 use super::kb::KBuffer;
+use super::kb_ab::{self, KbAb};
+use super::kb_mdt32::{self, KbMdt32};
+use super::kb_mdt64::{self, KbMdt64};
+use super::kb_ps::{self, KbPixelSync};
+use super::kb_sr::KbStencilRouted;
+use super::kplus::KPlus;
 use super::kplus_array::{Correct, KPlusArray, faults};
 use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use super::kplus_heap::{self, KPlusHeap};
+use super::kplus_sb::{self, KPlusSb};
+use super::s_buffer::{self, SBuffer};
 use super::z_buffer::{self, ZBuffer};
 use super::{Scheme, exact};
 use crate::error::{Error, Result};
@@ -64,9 +74,24 @@ catalogue! {
         ZBuffer,
         AbArray<AtomicAdd>,
         AbLinkedList,
+        SBuffer,
+        DynamicFragmentBuffer,
         KBuffer,
+        KbStencilRouted,
+        KbMdt32,
+        KbMdt64,
+        KbPixelSync,
+        KbAb<AbArray<AtomicAdd>>,
+        KbAb<AbLinkedList>,
+        KbAb<SBuffer>,
+        KPlus,
         KPlusArray<Correct>,
         KPlusArrayPublished,
+        KPlusHeap,
+        KPlusHeap<kplus_heap::Published>,
+        KPlusSb,
+        KPlusSb<kplus_sb::Heap>,
+        KPlusSb<kplus_sb::Published>,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -92,6 +117,19 @@ catalogue! {
         KPlusArray<faults::OneTest>,
         KPlusArray<faults::RootFirst>,
         KPlusArrayPublished<OrderedUnlock>,
+        SBuffer<s_buffer::PlainCount>,
+        SBuffer<s_buffer::NoBarrier>,
+        SBuffer<s_buffer::OneTooMany>,
+        KbMdt32<kb_mdt32::TwoFormulas>,
+        KbMdt64<kb_mdt64::LoadStore>,
+        KbMdt64<kb_mdt64::ClearedToFarPlane>,
+        KbAb<AbLinkedList, kb_ab::First>,
+        KbPixelSync<kb_ps::LeavesEarly>,
+        KPlusHeap<kplus_heap::PlainUnlock>,
+        KPlusHeap<kplus_heap::RelaxedCounter>,
+        KPlusHeap<kplus_heap::RootFirst>,
+        KPlusHeap<kplus_heap::DropsByArrival>,
+        KPlusHeap<kplus_heap::EqualDepthStops>,
     }
 }
 

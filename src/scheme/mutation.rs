@@ -35,7 +35,7 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in(
         "M1",
         "unlock by a plain or relaxed store, without a barrier",
-        &["kplus-array@M1", "kplus-array@M1-relaxed"],
+        &["kplus-array@M1", "kplus-array@M1-relaxed", "kplus-heap@M1"],
     ),
     built_in(
         "M2",
@@ -52,19 +52,15 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in(
         "M6",
         "an early-out that reads counter, then farthest, in no order with their writes",
-        &["kplus-array@M6", "kplus-array@M6-early-count"],
+        &["kplus-array@M6", "kplus-array@M6-early-count", "kplus-heap@M6"],
     ),
-    absent(
+    built_in(
         "M7",
         "resolve sorts the first N of a list instead of the nearest N",
-        "needs a resolve that selects: no such method yet",
+        &["kb-ab-ll@M7"],
     ),
-    absent(
-        "M8",
-        "overflow drops by arrival",
-        "the methods that promise the nearest have no overflow; ab-array promises just that",
-    ),
-    built_in("M9", "equal depth stops the insertion", &["kplus-array@M9"]),
+    built_in("M8", "overflow drops by arrival", &["kplus-heap@M8"]),
+    built_in("M9", "equal depth stops the insertion", &["kplus-array@M9", "kplus-heap@M9"]),
     absent(
         "M10",
         "the tail is blended outside the critical section, or without evicting",
@@ -77,25 +73,25 @@ pub const MUTATIONS: &[Mutation] = &[
         "needs an ordered form: no such method yet",
     ),
     absent("M13", "the age field overflows", "needs an age: no such method yet"),
-    built_in("M14", "a bound test with <= for <", &["ab-array@M14", "ab-ll@M14"]),
+    built_in("M14", "a bound test with <= for <", &["ab-array@M14", "ab-ll@M14", "s-buffer@M14"]),
     absent("M15", "a merge quantised to 8 bits in mid-stream", "needs a merge: no such method yet"),
-    absent(
-        "M16",
-        "depth computed by two formulas in two passes",
-        "needs two geometry passes: no such method yet",
-    ),
+    built_in("M16", "depth computed by two formulas in two passes", &["kb-mdt32@M16"]),
     built_in(
         "M17",
         "a missing barrier between clear, store and resolve",
-        &["kplus-array@M17", "kplus-array@M17-resolve"],
+        &["kplus-array@M17", "kplus-array@M17-resolve", "s-buffer@M17"],
     ),
-    built_in("M18", "the far plane is rejected by the initial value 1.0", &["z-buffer@M18"]),
+    built_in(
+        "M18",
+        "the far plane is rejected by the initial value 1.0",
+        &["z-buffer@M18", "kb-mdt64@M18"],
+    ),
     built_in("M19", "an unbounded spin under lockstep", &["kplus-array@M19"]),
     built_in("one-test", "no second cull test inside the lock", &["kplus-array@one-test"]),
     built_in(
         "root-first",
         "the farthest entry is overwritten before the new farthest is found",
-        &["kplus-array@root-first"],
+        &["kplus-array@root-first", "kplus-heap@root-first"],
     ),
     built_in(
         "published-fixed-unlock",
@@ -111,7 +107,13 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in(
         "load-store",
         "a load, a comparison and a store for an atomic minimum",
-        &["z-buffer@load-store"],
+        &["z-buffer@load-store", "kb-mdt64@load-store"],
+    ),
+    built_in("plain-count", "a count pass of loads and stores", &["s-buffer@plain-count"]),
+    built_in(
+        "leaves-early",
+        "the interlock is left before the entries are written",
+        &["kb-ps@leaves-early"],
     ),
 ];
 

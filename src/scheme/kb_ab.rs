@@ -1,0 +1,178 @@
+//! k-buffers on top of A-buffers (Yu, Yang, Hensley, Harada, Yu, "A framework for rendering complex scattering effects
+//! on hair", 2012, first solution; k+-buffer paper, section 4): all fragments are stored, and resolve selects the k
+//! nearest.
+//!
+//! One wrapper for the A-buffers there are: it hands everything on, and cuts what resolve gives.
+
+use std::future::Future;
+use std::marker::PhantomData;
+
+use crate::fragment::Fragment;
+use crate::memory::{Layout, Memory, Snapshot};
+use crate::scheme::ab_array::{AbArray, AtomicAdd};
+use crate::scheme::ab_ll::{self, AbLinkedList};
+use crate::scheme::contract::{Form, Keeps};
+use crate::scheme::s_buffer::{self, SBuffer};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme, select};
+
+/// An A-buffer that k is selected from.
+pub trait Base: Scheme {
+    /// The contract of the k-buffer made of it.
+    const SELECTED: Contract;
+}
+
+/// What resolve keeps.
+pub trait Choice: Sync {
+    /// Whether it is the fault.
+    const FAULT: bool;
+    /// Keep k of a pixel's keys.
+    fn cut(keys: &mut Keys, k: usize);
+}
+
+/// The k nearest.
+#[derive(Debug)]
+pub enum Nearest {}
+
+/// M7: the first k of the list, whichever they are.
+#[derive(Debug)]
+pub enum First {}
+
+impl Choice for Nearest {
+    const FAULT: bool = false;
+
+    fn cut(keys: &mut Keys, k: usize) {
+        select::nearest(keys, k);
+    }
+}
+
+impl Choice for First {
+    const FAULT: bool = true;
+
+    fn cut(keys: &mut Keys, k: usize) {
+        keys.truncate(k);
+    }
+}
+
+/// The method.
+#[derive(Debug)]
+pub struct KbAb<A, C = Nearest> {
+    k: u32,
+    all: A,
+    choice: PhantomData<C>,
+}
+
+/// The contract of a k-buffer on an A-buffer.
+const fn selected(
+    name: &'static str,
+    title: &'static str,
+    section: &'static str,
+    frame_words: &'static str,
+    of: Contract,
+) -> Contract {
+    Contract {
+        name,
+        title,
+        paper: "Yu, Yang, Hensley, Harada, Yu 2012; Vasilakis, Fudos 2014",
+        section,
+        frame_words,
+        form: Form::Correct,
+        keeps: Keeps::Nearest,
+        exact_when: "always",
+        arrival_dependent: false,
+        judged: true,
+        ties: Contract::BASE.ties,
+        overflow: "selected at resolve",
+        default_k: Contract::BASE.default_k,
+        max_k: Contract::BASE.max_k,
+        ..of
+    }
+}
+
+impl Base for AbArray<AtomicAdd> {
+    const SELECTED: Contract = selected(
+        "kb-ab-array",
+        "k nearest of an A-buffer in fixed arrays",
+        "k+-buffer paper, 4 (KB-AB-Array)",
+        "0",
+        <Self as Scheme>::CONTRACT,
+    );
+}
+
+impl Base for AbLinkedList<ab_ll::Correct> {
+    const SELECTED: Contract = selected(
+        "kb-ab-ll",
+        "k nearest of an A-buffer in linked lists",
+        "k+-buffer paper, 2 (KB-AB-LL)",
+        "3F + 1",
+        <Self as Scheme>::CONTRACT,
+    );
+}
+
+impl Base for SBuffer<s_buffer::Correct> {
+    const SELECTED: Contract = selected(
+        "kb-ab-sb",
+        "k nearest of an S-buffer",
+        "k+-buffer paper, 4 (KB-AB-SB)",
+        "2F + G + H",
+        <Self as Scheme>::CONTRACT,
+    );
+}
+
+impl<A: Base, C: Choice> Scheme for KbAb<A, C> {
+    const CONTRACT: Contract = if C::FAULT {
+        A::SELECTED.fault(
+            "kb-ab-ll@M7",
+            "Fault M7: resolve takes the first k of the list instead of the nearest k",
+            "f(p) <= k",
+        )
+    } else {
+        A::SELECTED
+    };
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let all = Config { k: None, bounded: config.generated, ..*config };
+        Self { k: config.k.unwrap_or(8), all: A::new(&all, layout), choice: PhantomData }
+    }
+
+    fn clear_frame<M: Memory>(&self, mem: &M) -> impl Future<Output = ()> {
+        self.all.clear_frame(mem)
+    }
+
+    fn clear<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = ()> {
+        self.all.clear(mem, pixel)
+    }
+
+    fn prepare<M: Memory>(
+        &self,
+        mem: &M,
+        pass: usize,
+        fragment: Fragment,
+    ) -> impl Future<Output = ()> {
+        self.all.prepare(mem, pass, fragment)
+    }
+
+    fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) -> impl Future<Output = ()> {
+        self.all.screen(mem, pass, pixel)
+    }
+
+    fn invocations(&self, pass: usize) -> u32 {
+        self.all.invocations(pass)
+    }
+
+    fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) -> impl Future<Output = ()> {
+        self.all.frame(mem, pass, index)
+    }
+
+    fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome> {
+        self.all.store(mem, fragment)
+    }
+
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        self.all.invariant(words, pixel, moment)
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        self.all.resolve(mem, pixel, keys).await;
+        C::cut(keys, self.k as usize);
+    }
+}
