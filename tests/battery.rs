@@ -14,7 +14,7 @@ use fragloom::memory::Layout;
 use fragloom::render::{Exec, Lists, Options, Policy, Report};
 use fragloom::scene::Scene;
 use fragloom::scheme::catalogue::{self, Visitor};
-use fragloom::scheme::contract::{Contract, Form, Keeps};
+use fragloom::scheme::contract::{Contract, Demand, Form, Keeps};
 use fragloom::scheme::{Config, Scheme, contracts};
 use support::{draw, options, policies, scene, sim, small_scenes};
 
@@ -40,7 +40,8 @@ fn with(method: &str, k: Option<u32>, exec: Exec) -> Options {
 
 /// The reference for a method: `exact` with the k that the method promises.
 fn reference(scene: &Scene, contract: &Contract, k: Option<u32>) -> Lists {
-    draw(scene, &options("exact", contract.reference_k(k))).lists
+    let exact = options("exact", contract.reference_k(k));
+    draw(scene, &Options { depth_format: contract.depth_format, ..exact }).lists
 }
 
 fn balances(report: &Report) -> bool {
@@ -136,6 +137,86 @@ fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
     }
 }
 
+/// Whatever k, and with equal depths, coplanar duplicates, and fragments on the near and far planes.
+#[test]
+fn correct_k_methods_equal_exact_for_every_k() {
+    let hand_made = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
+    let scenes = [scene("synthetic:n=70,density=100", [6, 6]), scene(hand_made, [45, 33])];
+    let correct = |c: &&Contract| c.keeps == Keeps::Nearest && c.form == Form::Correct;
+    for scene in &scenes {
+        for contract in contracts().into_iter().filter(correct) {
+            for k in [1, 2, 4, 8, 16, 32, 64] {
+                let expected = reference(scene, contract, Some(k));
+                for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, u64::from(k))] {
+                    let drawn = draw(scene, &with(contract.name, Some(k), exec.clone()));
+                    assert_eq!(drawn.lists, expected, "{} k {k} {exec:?}", contract.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_memory_budget_is_never_exceeded() {
+    let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
+    for (contract, k) in cases() {
+        let takes_k = contract.default_k.is_some();
+        let k = k.filter(|_| !takes_k);
+        for exec in executors() {
+            let full = draw(&scene, &with(contract.name, k, exec.clone())).report;
+            for bytes in [full.bytes, full.bytes / 2, full.bytes / 3] {
+                let options =
+                    Options { memory_budget: Some(bytes), ..with(contract.name, k, exec.clone()) };
+                let Ok(drawn) = fragloom::render::render(&scene, &options) else {
+                    assert!(contract.demand == Demand::Nothing && !takes_k, "{}", contract.name);
+                    continue;
+                };
+                let report = drawn.report;
+                assert!(report.bytes <= bytes, "{}: {} of {bytes}", contract.name, report.bytes);
+                assert!(balances(&report), "{}: {report:?}", contract.name);
+                assert_eq!(report.violations, Vec::<String>::new(), "{}", contract.name);
+                let budget = report.budget.expect("one was given");
+                assert_eq!(budget.histogram.iter().sum::<u64>(), 40 * 28);
+                if let Some(room) = budget.room.filter(|_| contract.demand == Demand::Generated) {
+                    assert_eq!(report.kept, room.min(report.generated), "complete where is room");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_budget_that_is_too_small_is_refused() {
+    let scene = scene("layers:count=4", [16, 16]);
+    for method in ["kplus-array", "kplus-sb", "ab-ll", "ab-array", "z-buffer"] {
+        let options = Options { memory_budget: Some(100), ..options(method, None) };
+        let refused =
+            fragloom::render::render(&scene, &options).map(|_| ()).expect_err("too little");
+        assert!(refused.to_string().contains("--memory-budget"), "{refused}");
+        assert!(refused.problem().contains("needs"), "{refused}");
+    }
+}
+
+/// Section 3.3: k and the histogram decide; what no pixel has a place for is told beforehand.
+#[test]
+fn a_budget_chooses_the_largest_k() {
+    let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
+    for method in ["kplus-array", "kplus-heap", "kplus-sb", "kb-mdt64", "kb-ps"] {
+        let with_k = |k| draw(&scene, &options(method, Some(k))).report;
+        for k in [1, 3, 9] {
+            // What the layout of whole tiles takes.
+            let enough = Options { memory_budget: Some(1 << 30), ..options(method, None) };
+            assert_eq!(draw(&scene, &enough).report.k, Some(14), "{method}: no more than there is");
+            let bytes = with_k(k).bytes * 64 * 64 / (40 * 28) + 4_096;
+            let chosen = Options { memory_budget: Some(bytes), ..options(method, None) };
+            let report = draw(&scene, &chosen).report;
+            let budget = report.budget.expect("one was given");
+            assert!(report.k >= Some(k), "{method}: {:?} of {k}", report.k);
+            assert_eq!(budget.beyond, report.generated - report.kept, "{method}");
+        }
+    }
+}
+
 #[test]
 fn what_is_named_deterministic_is() {
     let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
@@ -155,54 +236,92 @@ fn what_is_named_deterministic_is() {
     }
 }
 
-/// Storage of a pixel, in words of 4 bytes.
-struct PixelWords {
+/// What a method is told of a scene, so that all its numbers differ.
+fn told(k: u32) -> Config {
+    Config {
+        k: Some(k),
+        pixels: 9_000,
+        generated: 1_000,
+        max_depth_complexity: 70,
+        bounded: 600,
+        pages: 300,
+    }
+}
+
+/// Storage of a pixel and of the frame, in words of 4 bytes, without what stands for hardware.
+struct Storage {
     k: u32,
 }
 
-impl Visitor for PixelWords {
-    type Output = Option<u64>;
+impl Visitor for Storage {
+    type Output = Option<[u64; 2]>;
 
-    fn scheme<S: Scheme>(self) -> Option<u64> {
-        let config = Config {
-            k: Some(self.k),
-            pixels: 256,
-            generated: 10,
-            max_depth_complexity: self.k,
-            bounded: 20,
-            pages: 10,
-        };
+    fn scheme<S: Scheme>(self) -> Option<[u64; 2]> {
         let mut layout = Layout::default();
-        let _ = S::new(&config, &mut layout);
-        Some(layout.per_pixel().bytes() / 4)
+        let _ = S::new(&told(self.k), &mut layout);
+        let pixel = layout.per_pixel().bytes() / 4 - layout.interlocks();
+        Some([pixel, layout.per_frame().bytes() / 4])
     }
 
-    fn exact(self) -> Option<u64> {
+    fn exact(self) -> Option<[u64; 2]> {
         None
     }
 }
 
-/// `a v + b`, with v = k or n, before any comma: the formulas of contracts.
-fn formula(text: &str, value: u64) -> u64 {
-    let pixel = text.split(',').next().expect("a formula");
-    let term = |t: &str| {
-        let number = t.trim_end_matches(['k', 'n']);
-        let factor = if number.is_empty() { 1 } else { number.parse().expect("a number") };
-        if number.len() < t.len() { factor * value } else { factor }
+/// A sum of products of a number and a letter, as contracts have it: `2k + 2`, `2S + G + H`.
+fn formula(text: &str, contract: &Contract, k: u32) -> u64 {
+    let config = told(k);
+    let blocks = u64::from(config.pixels).div_ceil(64);
+    // -k is the number of slots of a method that has no k of its own.
+    let own = contract.keeps == Keeps::FirstArrivals;
+    let slots = if own { k } else { config.max_depth_complexity };
+    let letter = |name: char| match name {
+        'k' => u64::from(k),
+        'n' => u64::from(slots),
+        'F' => config.generated,
+        'S' => config.bounded,
+        'G' => blocks,
+        'H' => blocks.div_ceil(64),
+        'Q' => config.pages,
+        other => panic!("{other} in {text}"),
     };
-    pixel.split('+').map(|t| term(t.trim())).sum()
+    let term = |term: &str| {
+        let digits = term.trim_end_matches(char::is_alphabetic);
+        let factor: u64 = if digits.is_empty() { 1 } else { digits.parse().expect("a number") };
+        term[digits.len()..].chars().map(letter).product::<u64>() * factor
+    };
+    text.split(" + ").map(term).sum()
 }
 
 #[test]
-fn storage_is_what_the_formula_says() {
+fn storage_is_what_the_formulas_say() {
     for contract in contracts() {
-        for k in [1, 2, 8, 33] {
-            let words =
-                catalogue::visit(contract.name, PixelWords { k }).expect("in the catalogue");
+        for k in [1, 2, 8, 32].into_iter().filter(|&k| k <= contract.max_k) {
+            let words = catalogue::visit(contract.name, Storage { k }).expect("in the catalogue");
             if let Some(words) = words {
-                assert_eq!(words, formula(contract.words, u64::from(k)), "{} k {k}", contract.name);
+                let said = [contract.words, contract.frame_words].map(|f| formula(f, contract, k));
+                assert_eq!(words, said, "{} k {k}", contract.name);
             }
         }
+    }
+}
+
+/// Table 1 of the k+-buffer paper, as far as it gives words per pixel.
+#[test]
+fn bounded_methods_need_what_their_paper_says() {
+    let table = [
+        ("kb", "2k"),
+        ("kb-sr", "3n"),
+        ("kb-mdt32", "2k"),
+        ("kb-mdt64", "2k"),
+        ("kb-ps", "2k"),
+        ("kplus-array", "2k + 2"),
+        ("kplus-heap", "2k + 2"),
+    ];
+    for (name, said) in table {
+        let contract = catalogue::contract(name).expect("known");
+        assert_eq!(contract.published_words, Some(said), "{name}");
+        assert_eq!(contract.words, said, "{name}: and ours needs no more");
     }
 }
 
@@ -212,11 +331,16 @@ fn overflow_drops_by_arrival_and_is_counted() {
     let all = draw(&scene, &options("exact", None)).lists;
     let sizes = all.offsets.windows(2).map(|w| w[1] - w[0]);
     let overflow: u64 = sizes.map(|f| f.saturating_sub(5)).sum();
-    for exec in executors() {
-        let report = draw(&scene, &with("ab-array", Some(5), exec)).report;
-        assert_eq!(report.dropped.get("overflow"), Some(&overflow));
-        assert_eq!(report.kept + overflow, report.generated);
-        assert!(!report.deterministic.contains(&"image_hash".to_owned()));
+    let limited = cases().into_iter().filter(|(c, _)| c.keeps == Keeps::FirstArrivals);
+    let names: Vec<&str> = limited.map(|(c, _)| c.name).collect();
+    assert_eq!(names, ["ab-array", "kb-sr"]);
+    for name in names {
+        for exec in executors() {
+            let report = draw(&scene, &with(name, Some(5), exec)).report;
+            assert_eq!(report.dropped.get("overflow"), Some(&overflow), "{name}");
+            assert_eq!(report.kept + overflow, report.generated);
+            assert!(!report.deterministic.contains(&"image_hash".to_owned()));
+        }
     }
 }
 
@@ -278,9 +402,10 @@ fn the_battery_can_fail() {
     assert_ne!(hashes[0], hashes[1], "were it named deterministic, it would be found");
     assert!(!racy[0].deterministic.contains(&"fragments_hash".to_owned()));
 
-    let words = catalogue::visit("kplus-array", PixelWords { k: 8 }).expect("in the catalogue");
-    assert_eq!(words, Some(formula("2k + 2", 8)));
+    let words = catalogue::visit("kplus-array", Storage { k: 8 }).expect("in the catalogue");
+    let contract = catalogue::contract("kplus-array").expect("known");
+    assert_eq!(words.map(|w| w[0]), Some(formula("2k + 2", contract, 8)));
     for wrong in ["2k + 1", "k + 2", "2", "3k + 2"] {
-        assert_ne!(words, Some(formula(wrong, 8)), "{wrong}");
+        assert_ne!(words.map(|w| w[0]), Some(formula(wrong, contract, 8)), "{wrong}");
     }
 }

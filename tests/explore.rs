@@ -295,7 +295,7 @@ fn rows_do_not_depend_on_the_number_of_threads() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
-            let plan = Plan { progress: Progress::ALL.to_vec(), ..plan(Some(2)) };
+            let plan = Plan { progress: Some(Progress::ALL.to_vec()), ..plan(Some(2)) };
             let methods = ["kplus-array", "kb", "kplus-array@M1", "ab-ll@plain-head"];
             let rows = methods.map(|name| check(&subject(name).expect("a method"), &plan, &LIMITS));
             rows.concat()
@@ -318,7 +318,7 @@ fn is_all_unknown(rows: &[Row], words: &str) {
 
 #[test]
 fn a_bound_that_is_hit_is_no_verdict() {
-    let plan = Plan { progress: Progress::ALL.to_vec(), ..plan(Some(2)) };
+    let plan = Plan { progress: Some(Progress::ALL.to_vec()), ..plan(Some(2)) };
     let kplus = subject("kplus-array").expect("a method");
     let few = Limits { states: 10, cancelled: &|| false };
     is_all_unknown(&check(&kplus, &plan, &few), "a bound was hit");

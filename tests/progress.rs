@@ -252,7 +252,7 @@ fn a_loop_before_the_critical_section_hangs_a_warp() {
 
 fn plan(progress: &[Progress], helpers: u32) -> Plan {
     let (fragments, ks) = (Some(2), vec![1]);
-    Plan { fragments, ks, progress: progress.to_vec(), helpers, ..Plan::default() }
+    Plan { fragments, ks, progress: Some(progress.to_vec()), helpers, ..Plan::default() }
 }
 
 fn row<'a>(rows: &'a [Row], progress: &str) -> &'a Row {

@@ -298,8 +298,8 @@ fn plan(args: &Args) -> Result<Plan> {
     if let Some(name) = args.progress.as_deref() {
         plan.simt = matches!(name, "simt" | "all");
         plan.progress = match name {
-            "all" => Progress::ALL.to_vec(),
-            name => Progress::ALL.into_iter().filter(|p| p.name() == name).collect(),
+            "all" => Some(Progress::ALL.to_vec()),
+            name => Some(Progress::ALL.into_iter().filter(|p| p.name() == name).collect()),
         };
     }
     Ok(plan)

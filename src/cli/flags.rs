@@ -62,6 +62,15 @@ pub(super) struct Drawing {
     #[arg(long, value_enum, value_name = "FACES", default_value = "none")]
     pub(super) cull_face: CullFace,
 
+    /// Let the method's storage take at most so many bytes (K, M, G and T as below): the largest k that fits, from the
+    /// depth-complexity histogram; or the largest pool, where storage does not depend on k
+    #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
+    pub(super) memory_budget: Option<String>,
+
+    /// How a pixel's fragments are sorted; published is insertion sort up to 16 and shell sort above
+    #[arg(long, value_enum, value_name = "SORT", default_value = "fastest")]
+    pub(super) sort: Sort,
+
     /// Refuse a run that needs more memory, in bytes; K, M, G and T are powers of 1024
     #[arg(long, value_name = "BYTES", default_value = "8G", allow_negative_numbers = true)]
     pub(super) max_memory: String,
@@ -108,6 +117,13 @@ pub(super) enum DepthFormat {
 pub(super) enum Data {
     Color,
     Primitive,
+}
+
+/// `--sort`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Sort {
+    Fastest,
+    Published,
 }
 
 /// `--cull-face`.

@@ -1,9 +1,11 @@
 //! `fragloom methods`: the catalogue, from the contracts.
 
-use super::{Verdict, say};
+use super::{Verdict, say, wait};
 use crate::error::Result;
+use crate::explore::stability::{self, Stability};
 use crate::report::json;
 use crate::report::text::{Align, columns};
+use crate::scheme::contract::Program;
 use crate::scheme::{Contract, Form, contracts};
 
 #[derive(Debug, clap::Args)]
@@ -14,6 +16,9 @@ pub(super) struct Args {
     /// List the built-in faults too
     #[arg(long)]
     all: bool,
+    /// Derive what every method's result depends on, by drawing scenes with permuted arrival and under many schedules
+    #[arg(long, conflicts_with = "all")]
+    stability: bool,
 }
 
 /// Print the catalogue.
@@ -21,6 +26,9 @@ pub(super) struct Args {
 /// # Errors
 /// stdout cannot be written.
 pub(super) fn run(args: &Args) -> Result<Verdict> {
+    if args.stability {
+        return stability(args);
+    }
     let mut contracts = contracts();
     if !args.all && !args.json {
         contracts.retain(|contract| contract.form != Form::Mutation);
@@ -30,13 +38,60 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::Clean)
 }
 
+/// Print the stability matrix. A contract that declares something else than was seen is a finding.
+fn stability(args: &Args) -> Result<Verdict> {
+    let rows = wait::during(args.json, "drawing", stability::derive)?;
+    let text = if args.json { json::document(&rows)? } else { matrix(&rows) };
+    say::result(&text)?;
+    Ok(if rows.iter().all(Stability::agrees) { Verdict::Clean } else { Verdict::Found })
+}
+
+fn matrix(rows: &[Stability]) -> String {
+    let heading = ["method", "arrival", "at ties", "at overflow", "schedule", "declared", "runs"];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    let word = |seen: bool| if seen { "depends" } else { "-" }.to_owned();
+    for row in rows {
+        let declared = match row.declared {
+            [true, true] => "arrival, races",
+            [true, false] => "arrival",
+            [false, true] => "races",
+            [false, false] => "nothing",
+        };
+        let agrees = if row.agrees() { "" } else { " (NOT AS SEEN)" };
+        let overflow = match (row.arrival_at_overflow, row.pooled) {
+            (true, true) => "depends (pool)".to_owned(),
+            (seen, _) => word(seen),
+        };
+        lines.push(vec![
+            row.method.to_owned(),
+            word(row.arrival),
+            word(row.arrival_at_ties),
+            overflow,
+            word(row.schedule),
+            format!("{declared}{agrees}"),
+            row.runs.to_string(),
+        ]);
+    }
+    let [left, right] = [Align::Left, Align::Right];
+    columns(&[left, left, left, left, left, left, right], &lines)
+}
+
 fn table(contracts: &[&Contract]) -> String {
-    let heading =
-        ["method", "form", "passes", "k", "words per pixel", "may depend on", "what it is"];
+    let heading = [
+        "method",
+        "form",
+        "passes",
+        "k",
+        "words per pixel",
+        "and for the frame",
+        "may depend on",
+        "exact when",
+        "what it is",
+    ];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(contracts.iter().map(|contract| row(contract)));
     let [left, right] = [Align::Left, Align::Right];
-    columns(&[left, left, right, right, left, left, left], &rows)
+    columns(&[left, left, right, right, left, left, left, left, left], &rows)
 }
 
 fn row(contract: &Contract) -> Vec<String> {
@@ -54,10 +109,19 @@ fn row(contract: &Contract) -> Vec<String> {
     vec![
         contract.name.to_owned(),
         form.to_owned(),
-        contract.program.geometry().to_string(),
+        passes(contract),
         k,
         contract.words.to_owned(),
+        contract.frame_words.to_owned(),
         depends.to_owned(),
+        contract.exact_when.to_owned(),
         contract.title.to_owned(),
     ]
+}
+
+/// Geometry passes and full-screen passes; a plus where they are repeated.
+fn passes(contract: &Contract) -> String {
+    let Program { repeats, .. } = contract.program;
+    let again = if repeats { "*" } else { "" };
+    format!("{}+{}{again}", contract.program.geometry(), contract.program.full_screen())
 }

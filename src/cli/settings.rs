@@ -1,6 +1,6 @@
 //! From what was typed to what is run: values are checked and defaults filled in.
 
-use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Shading};
+use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Shading, Sort};
 use super::values;
 use crate::error::{Error, Result};
 use crate::num::depth::Format;
@@ -42,6 +42,12 @@ pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Set
         data: typed.data.into(),
         cull_face: typed.cull_face.into(),
         counters: true,
+        memory_budget: typed
+            .memory_budget
+            .as_deref()
+            .map(|text| values::bytes("--memory-budget", text))
+            .transpose()?,
+        sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
     };
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
@@ -114,6 +120,15 @@ impl From<DepthFormat> for Format {
             DepthFormat::D32 => Self::D32,
             DepthFormat::D24 => Self::D24,
             DepthFormat::F32 => Self::F32,
+        }
+    }
+}
+
+impl From<Sort> for render::Sort {
+    fn from(typed: Sort) -> Self {
+        match typed {
+            Sort::Fastest => Self::Fastest,
+            Sort::Published => Self::Published,
         }
     }
 }

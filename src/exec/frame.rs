@@ -10,8 +10,8 @@ use crate::fragment::{Data, data_of};
 use crate::image::Image;
 use crate::memory::Counters;
 use crate::raster::Grid;
+use crate::resolve::Lists;
 use crate::resolve::composite::Ray;
-use crate::resolve::{Lists, sort};
 use crate::scheme::{Keys, exact};
 
 /// A finished frame.
@@ -87,7 +87,7 @@ impl<'a> Finisher<'a> {
     /// The next pixel: its keys in any order, and its counts.
     #[inline]
     pub fn pixel(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
-        sort::canonical(keys);
+        self.job.sort.run(keys);
         let mut ray = Ray::default();
         for &key in keys.iter() {
             ray.over(self.color(data_of(key)));

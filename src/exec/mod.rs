@@ -22,6 +22,7 @@ pub mod threads;
 pub mod tile;
 
 use crate::raster::{FrontEnd, Record};
+use crate::resolve::sort::Sort;
 use crate::scheme::Contract;
 
 pub use account::Tally;
@@ -34,6 +35,8 @@ pub struct Job<'a> {
     pub front: &'a FrontEnd,
     /// What a fragment's words hold.
     pub record: Record,
+    /// How a pixel's fragments are sorted.
+    pub sort: Sort,
     /// Linear 16-bit RGB.
     pub background: [u16; 3],
     /// The number of nearest fragments that the method promises to keep; `None` is all.

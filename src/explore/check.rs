@@ -19,6 +19,7 @@ use super::shader::Subject;
 use super::sites;
 use super::token::{LitmusToken, Token};
 use super::verdict::{Row, Verdict};
+use crate::scheme::Contract;
 
 /// What to check, and how far.
 #[derive(Clone, Debug)]
@@ -29,8 +30,8 @@ pub struct Plan {
     pub ks: Vec<u32>,
     /// Memory models.
     pub memory: Vec<MemoryModel>,
-    /// Progress models under which invocations must end.
-    pub progress: Vec<Progress>,
+    /// Progress models under which invocations must end; `None` is what the method may count on and weak fairness.
+    pub progress: Option<Vec<Progress>>,
     /// Whether invocations must end as lanes of one warp, too.
     pub simt: bool,
     /// Helper invocations beside the first fragments.
@@ -46,7 +47,7 @@ impl Default for Plan {
                 MemoryModel::Sequential,
                 MemoryModel::Relaxed(super::model::Profile::Vulkan),
             ],
-            progress: vec![Progress::Obe, Progress::Fair],
+            progress: None,
             simt: true,
             helpers: 0,
         }
@@ -60,6 +61,14 @@ pub const MOST_RELAXED: u32 = 4;
 pub const MOST_PROGRESS: u32 = 3;
 
 impl Plan {
+    /// Progress models for a method. Most need those that have begun to go on; who counts on the ordered interlock,
+    /// those before them too, which is what it promises.
+    #[must_use]
+    pub fn progress_of(&self, contract: &Contract) -> Vec<Progress> {
+        let begun = if contract.interlock { Progress::Lobe } else { Progress::Obe };
+        self.progress.clone().unwrap_or_else(|| vec![begun, Progress::Fair])
+    }
+
     /// Fragments under a memory model.
     #[must_use]
     pub fn fragments_under(&self, memory: MemoryModel) -> u32 {
@@ -366,7 +375,8 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
 #[must_use]
 pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
     let simt = plan.simt.then_some("simt");
-    let names: Vec<&str> = plan.progress.iter().map(|p| p.name()).chain(simt).collect();
+    let progress = plan.progress_of(subject.contract);
+    let names: Vec<&str> = progress.iter().map(|p| p.name()).chain(simt).collect();
     if names.is_empty() {
         return Vec::new();
     }
@@ -379,9 +389,9 @@ pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<R
         return names.into_iter().map(|name| survey.ends(name)).collect();
     }
     let mut rows = Vec::new();
-    if !plan.progress.is_empty() {
+    if !progress.is_empty() {
         let endings = Endings::new(&survey, instances(), None, limits);
-        rows.extend(plan.progress.iter().map(|&p| endings.row(p, p.name())));
+        rows.extend(progress.iter().map(|&p| endings.row(p, p.name())));
     }
     if plan.simt {
         let mut row =

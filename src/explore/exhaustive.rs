@@ -284,7 +284,7 @@ impl<'a> Search<'a> {
         let (count, head) = (self.machine.width, self.machine.head());
         next.clear();
         next.extend_from_slice(&state[..head]);
-        next[usize::from(by.invocation)] = moved.node;
+        self.machine.place(&mut next[..count], by, moved.node);
         if self.mark_movers {
             next[count] |= 1 << by.invocation;
         }
@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
             schedule.push(Move { invocation: who[place], ..by });
             self.machine.load(&at);
             let moved = self.machine.perform(at[place], by);
-            at[place] = moved.node;
+            self.machine.place(&mut at[..count], by, moved.node);
             let (head, stage) = (self.machine.head(), self.machine.stage_number());
             at.truncate(head);
             self.machine.settle(&mut at);

@@ -300,6 +300,24 @@ impl<'a> Machine<'a> {
         Moved { node, result, fault, race }
     }
 
+    /// Put an invocation where it stands after a move. Lanes that stand at the same merge leave it together.
+    pub(super) fn place(&mut self, nodes: &mut [NodeId], by: Move, node: NodeId) {
+        let invocation = usize::from(by.invocation);
+        let before = std::mem::replace(&mut nodes[invocation], node);
+        let Some(warp) = self.device.warp else { return };
+        if self.forest.node(before).step != Step::Merge {
+            return;
+        }
+        let own = self.forest.stack(before).to_vec();
+        let first = invocation / warp as usize * warp as usize;
+        for other in first..(first + warp as usize).min(nodes.len()) {
+            let stands = self.forest.node(nodes[other]).step == Step::Merge;
+            if other != invocation && stands && self.forest.stack(nodes[other]) == own {
+                nodes[other] = self.forest.child(nodes[other], 0);
+            }
+        }
+    }
+
     /// A helper's writes have no effect, and its updates return anything.
     fn helper(&mut self, invocation: usize, cell: u32, action: Action, alternative: u16) -> u64 {
         if cell == Cells::OUTSIDE {

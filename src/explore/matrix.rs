@@ -12,7 +12,6 @@ use super::exhaustive::Limits;
 use super::litmus::Family;
 use super::machine::Device;
 use super::model::{MemoryModel, Profile};
-use super::progress::Progress;
 use super::property::Property;
 use super::shader::{Subject, subject};
 use super::verdict::Verdict;
@@ -220,8 +219,7 @@ impl Examined {
 
     fn endings(&mut self, plan: &Plan, limits: &Limits<'_>) {
         let ks = plan.ks.iter().copied().filter(|&k| k <= 2).collect();
-        let progress = vec![Progress::Obe, Progress::Fair];
-        let plan = Plan { ks, fragments: Some(2), progress, simt: true, ..plan.clone() };
+        let plan = Plan { ks, fragments: Some(2), progress: None, simt: true, ..plan.clone() };
         for row in check::termination(&self.subject, &plan, limits) {
             let simt = row.progress.as_deref() == Some("simt");
             match row.verdict {

@@ -25,6 +25,7 @@ mod sequential;
 mod shader;
 mod sites;
 mod space;
+pub mod stability;
 pub mod token;
 mod verdict;
 mod walk;

@@ -112,11 +112,11 @@ impl<'a> Runner<'a> {
             ended: self.ended(moved.node),
             wrong,
         };
-        self.state[invocation] = moved.node;
+        let width = self.nodes.len();
+        self.machine.place(&mut self.state[..width], by, moved.node);
         self.state.truncate(self.machine.head());
         let at_barrier = self.machine.settle(&mut self.state);
         event.wrong.extend(at_barrier.map(|told| (Property::Invariant, told)));
-        let width = self.nodes.len();
         self.nodes.copy_from_slice(&self.state[..width]);
         self.look(&mut event.wrong);
         self.events.push(event);
@@ -262,7 +262,7 @@ impl<'a> Runner<'a> {
                     let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
                     let mut next = state[..self.machine.head()].to_vec();
-                    next[invocation] = moved.node;
+                    self.machine.place(&mut next[..count], by, moved.node);
                     self.machine.settle(&mut next);
                     space.insert(&next, at as u32, by);
                 }

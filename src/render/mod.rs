@@ -1,5 +1,6 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
+mod budget;
 mod limits;
 mod options;
 mod report;
@@ -22,7 +23,8 @@ pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::Lists;
-pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Sim};
+pub use budget::Budget;
+pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Sim, Sort};
 pub use report::Report;
 
 /// Everything one frame gives.
@@ -79,12 +81,18 @@ fn draw(
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
     watch.lap("setup");
-    let k = options.k.or(contract.default_k);
-    let (config, before_tile) = configure(&front, contract, k);
+    let (mut config, before_tile) = configure(&front, contract, options.k.or(contract.default_k));
+    let mut chosen = None;
+    if let Some(bytes) = options.memory_budget {
+        let (within, budget) = budget::Scene::new(&front, contract).within(bytes, options.k)?;
+        (config, chosen) = (within, Some(budget));
+    }
+    let k = config.k;
     watch.lap("count");
     let job = Job {
         front: &front,
         record: record(options, contract),
+        sort: options.sort,
         background: scene.background.map(word16),
         nearest: contract.reference_k(k),
         contract,
@@ -98,6 +106,7 @@ fn draw(
     let (lists, image) = executed.frame.assemble(&grid);
     watch.lap("assemble");
     let mut report = account(scene, contract, &front, &executed);
+    report.budget = chosen;
     report.k = match contract.keeps {
         Keeps::One => Some(1),
         _ => k,
@@ -129,14 +138,7 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, 
         Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
             config.max_depth_complexity = front.max_depth_complexity();
         }
-        Demand::Bounded => {
-            let histogram = front.depth_complexity();
-            let bound = |f: usize| k.map_or(f as u64, |k| u64::from(k).min(f as u64));
-            config.bounded = (0..).zip(&histogram).map(|(f, &pixels)| bound(f) * pixels).sum();
-            config.generated = (0..).zip(&histogram).map(|(f, &pixels)| f as u64 * pixels).sum();
-            let pages = |f: usize| (f as u64).div_ceil(u64::from(contract.page));
-            config.pages = (0..).zip(&histogram).map(|(f, &pixels)| pages(f) * pixels).sum();
-        }
+        Demand::Bounded => config = budget::Scene::new(front, contract).config(k),
         _ => {}
     }
     (config, before_tile)
@@ -275,10 +277,14 @@ fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
     names.extend(["bytes", "passes"]);
     if !contract.racy {
-        names.extend(["duplicated", "torn", "kept", "merged", "dropped"]);
+        names.extend(["duplicated", "torn", "merged"]);
+        // Who takes a page that others would have filled depends on the order.
+        if tally.dropped() == 0 || contract.page == 1 {
+            names.extend(["kept", "dropped"]);
+        }
     }
-    let arrival_shows = contract.arrival_dependent && tally.dropped() > 0;
-    if !contract.racy && !arrival_shows {
+    // What finds no room depends on arrival, whatever the contract says of the rest.
+    if !contract.racy && tally.overflow + tally.pool == 0 {
         names.extend(["image_hash", "fragments_hash"]);
     }
     names.into_iter().map(str::to_owned).collect()
@@ -287,7 +293,9 @@ fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
 /// What the method promised and did not keep.
 fn violations(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut found = Vec::new();
-    if !contract.racy && tally.unbalanced > 0 {
+    let wrong = tally.lost + tally.duplicated + tally.torn;
+    let unbalanced = if contract.judged { wrong > 0 } else { tally.unbalanced > 0 };
+    if !contract.racy && unbalanced {
         found.push(format!(
             "{} pixels do not balance: {} fragments lost, {} duplicated, {} torn",
             tally.unbalanced, tally.lost, tally.duplicated, tally.torn

@@ -7,6 +7,7 @@ use crate::raster::CullFace;
 use crate::scheme::Contract;
 
 pub use crate::exec::sim::policy::Kind as Policy;
+pub use crate::resolve::sort::Sort;
 
 /// What to draw with, and how. The defaults are the command line's.
 #[derive(Clone, Debug)]
@@ -32,6 +33,11 @@ pub struct Options {
     pub cull_face: CullFace,
     /// Count memory operations.
     pub counters: bool,
+    /// Bytes that the method's storage may take: k, or the room for fragments, is the largest that fits. Not together
+    /// with `k`, where storage depends on it.
+    pub memory_budget: Option<u64>,
+    /// How a pixel's fragments are sorted.
+    pub sort: Sort,
     /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
     /// every pixel, and the kept fragments (16 bytes each).
     pub max_memory: u64,
@@ -50,6 +56,8 @@ impl Default for Options {
             data: Data::Color,
             cull_face: CullFace::None,
             counters: true,
+            memory_budget: None,
+            sort: Sort::default(),
             max_memory: 8 << 30,
         }
     }
@@ -119,6 +127,13 @@ impl Options {
                 return wrong("-k", format!("is {k}, but {name} keeps at most {most} fragments"));
             }
             _ => {}
+        }
+        if let (Some(bytes), Some(_)) = (self.memory_budget, self.k)
+            && contract.default_k.is_some()
+        {
+            let problem =
+                format!("{bytes} bytes, and -k: the budget chooses k, so give one of them");
+            return wrong("--memory-budget", problem);
         }
         if ![16, 32, 64].contains(&self.tile) {
             return wrong("--tile", format!("is {}, but must be 16, 32 or 64 pixels", self.tile));

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::Budget;
+
 /// The accounting of a frame: the fields of `render --json`, by those names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
@@ -47,6 +49,9 @@ pub struct Report {
     pub max_depth_complexity: u32,
     /// Bytes of the method's storage for this image, by its own declaration.
     pub bytes: u64,
+    /// What a memory budget led to, if one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<Budget>,
     /// Geometry passes.
     pub passes: u32,
     /// SHA-256 of the picture.

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::text::{Align, columns, percent, thousands};
-use crate::render::Report;
+use crate::render::{Budget, Report};
 
 /// The whole table. Fields that the schedule may change carry a `*`.
 #[must_use]
@@ -104,6 +104,7 @@ fn facts(report: &Report) -> String {
         ["memory".to_owned(), memory],
         ["geometry passes".to_owned(), report.passes.to_string()],
     ];
+    rows.extend(report.budget.as_ref().map(budget));
     for (name, hash) in
         [("image_hash", &report.image_hash), ("fragments_hash", &report.fragments_hash)]
     {
@@ -113,6 +114,20 @@ fn facts(report: &Report) -> String {
     }
     let rows: Vec<Vec<String>> = rows.into_iter().map(Vec::from).collect();
     columns(&[Align::Left, Align::Left], &rows)
+}
+
+fn budget(budget: &Budget) -> [String; 2] {
+    let chosen = match (budget.k, budget.room) {
+        (Some(k), _) => format!("k = {k}"),
+        (_, Some(room)) => format!("room for {}", thousands(room)),
+        _ => "nothing to choose".to_owned(),
+    };
+    let text = format!(
+        "{} bytes: {chosen}, {} fragments beyond it",
+        thousands(budget.bytes),
+        thousands(budget.beyond)
+    );
+    ["memory budget".to_owned(), text]
 }
 
 fn counters(report: &Report) -> Vec<Vec<String>> {

@@ -35,7 +35,6 @@ impl Scheme for DynamicFragmentBuffer {
         words: "3",
         frame_words: "2S + G + H",
         exact_when: "f(p) <= 1024",
-        arrival_dependent: true,
         overflow: "beyond 1024 at a pixel, drop by arrival, counted",
         needs: "32-bit atomic add, relaxed; two geometry passes that generate the same fragments",
         wgsl: Some("storage buffers; atomicAdd"),

@@ -300,7 +300,10 @@ mod tests {
         assert!(message.contains("record 2 is farther"), "{message}");
         let message = pixel(&[9, 4, 5, 6]).check(Moment::Always).unwrap_err();
         assert!(message.contains("record 3 is farther"), "{message}");
-        let message = pixel(&[9, 8, 7, 6, 5]).check(Moment::Always).unwrap_err();
+        let mut full = pixel(&[9, 8, 7, 6]);
+        let counter = full.scheme.counter.at(0, 0);
+        full.set(counter, 5);
+        let message = full.check(Moment::Always).unwrap_err();
         assert!(message.contains("counter is 5"), "{message}");
     }
 }

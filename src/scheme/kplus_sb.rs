@@ -126,26 +126,28 @@ impl<V: Variant> Scheme for KPlusSb<V> {
     /// The count pass.
     async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
         let counter = self.counter.at(fragment.pixel, 0);
-        if !V::EXACT_COUNT {
+        if V::EXACT_COUNT {
+            let _attempts = mem.block();
+            let mark = mem.mark();
+            loop {
+                let attempt = mem.block();
+                let count = mem.load(counter, Order::Relaxed).await;
+                if count > self.k {
+                    return;
+                }
+                let found = mem.compare_exchange(counter, count, count + 1, Order::Relaxed).await;
+                if found == count {
+                    return;
+                }
+                mem.merge(attempt).await;
+                mem.spin(mark).await;
+            }
+        } else {
+            let test = mem.block();
             if mem.load(counter, Order::Relaxed).await < self.k {
                 mem.add(counter, 1, Order::Relaxed).await;
             }
-            return;
-        }
-        let _attempts = mem.block();
-        let mark = mem.mark();
-        loop {
-            let attempt = mem.block();
-            let count = mem.load(counter, Order::Relaxed).await;
-            if count > self.k {
-                return;
-            }
-            let found = mem.compare_exchange(counter, count, count + 1, Order::Relaxed).await;
-            if found == count {
-                return;
-            }
-            mem.merge(attempt).await;
-            mem.spin(mark).await;
+            mem.merge(test).await;
         }
     }
 

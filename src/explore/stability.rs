@@ -1,0 +1,216 @@
+//! The stability matrix, derived: what each method's result is seen to depend on.
+//!
+//! Every method draws three small scenes: one with distinct depths, one with coplanar layers of different colours, and
+//! one with more layers than a method with limited room was told of. Each is drawn with its triangles in many orders, one
+//! invocation after another; and in one order under many schedules of the simulated device. What differs is a dependence
+//! that was *seen*; what does not, was not seen in so many runs, which proves nothing (`fragloom check` may).
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::num::random::Random;
+use crate::render::{Exec, Options, Policy, Report, Sim, render};
+use crate::scene::{self, Overrides, Scene};
+use crate::scheme::contract::{Contract, Form, Keeps};
+use crate::scheme::contracts;
+
+/// What was seen of one method.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Stability {
+    /// The method.
+    pub method: &'static str,
+    /// Its result depended on the order of triangles, with distinct depths and enough room.
+    pub arrival: bool,
+    /// It did so with equal depths.
+    pub arrival_at_ties: bool,
+    /// It did so when fragments found no room.
+    pub arrival_at_overflow: bool,
+    /// That room is a pool of the frame, and not the method's own limit.
+    pub pooled: bool,
+    /// Some schedule lost, doubled or tore fragments that one invocation after another keeps.
+    pub schedule: bool,
+    /// One invocation after another, some fragments of equal depth were confused or lost.
+    pub inexact_at_ties: bool,
+    /// Runs behind this row.
+    pub runs: usize,
+    /// What its contract says: depends on arrival; is racy.
+    pub declared: [bool; 2],
+}
+
+impl Stability {
+    /// What was seen is what the contract declares. A pool that is too small is no matter of the method: any drops by
+    /// arrival then.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        let overflow = self.arrival_at_overflow && !self.pooled;
+        let arrival = self.arrival || self.arrival_at_ties || overflow;
+        [arrival, self.schedule] == self.declared
+    }
+}
+
+/// Pixels on each side: few, so that invocations meet.
+const EDGE: u32 = 6;
+
+/// Layers of a scene.
+const LAYERS: u32 = 24;
+
+/// k, or slots where a method shall overflow.
+const K: u32 = 4;
+
+/// Orders of triangles that are tried.
+const ORDERS: u64 = 6;
+
+/// Seeds of each policy.
+const SEEDS: u64 = 6;
+
+/// Derive the rows of all methods but the built-in faults.
+///
+/// # Errors
+/// A scene that cannot be drawn: a defect.
+pub fn derive() -> Result<Vec<Stability>> {
+    let methods = contracts().into_iter().filter(|c| c.form != Form::Mutation);
+    let methods: Vec<&'static Contract> = methods.filter(|c| c.name != "exact").collect();
+    methods.into_par_iter().map(derive_one).collect()
+}
+
+/// Derive a method's row.
+///
+/// # Errors
+/// See [`derive`].
+pub fn derive_one(contract: &'static Contract) -> Result<Stability> {
+    let size = Overrides { size: Some([EDGE, EDGE]), ..Overrides::default() };
+    let distinct = scene::load(&format!("synthetic:n={LAYERS},density=100"), &size)?;
+    let ties = coplanar(&distinct);
+    let k = contract.default_k.map(|_| K);
+    let mut runs = Runs { contract, count: 0 };
+
+    let arrival = runs.orders_differ(&distinct, k, None)?;
+    let arrival_at_ties = runs.orders_differ(&ties, k, None)?;
+    let limited = matches!(contract.keeps, Keeps::FirstArrivals | Keeps::All);
+    // Where -k does not limit the room, half the bytes do.
+    let (slots, budget) = match contract.keeps {
+        Keeps::FirstArrivals => (Some(K), None),
+        _ => (k, Some(runs.draw(&distinct, k, None, Exec::Tile)?.bytes / 2)),
+    };
+    let arrival_at_overflow = limited && runs.orders_differ(&distinct, slots, budget)?;
+
+    let wrong = |r: &Report| r.duplicated + r.torn + r.dropped.get("lost").copied().unwrap_or(0);
+    let mut schedule = false;
+    let mut inexact_at_ties = false;
+    for (scene, has_ties) in [(&distinct, false), (&ties, true)] {
+        let alone = wrong(&runs.draw(scene, k, None, Exec::Tile)?);
+        inexact_at_ties |= has_ties && alone > 0;
+        for policy in [Policy::Random, Policy::RoundRobin, Policy::Warp(8), Policy::Pct(3)] {
+            for seed in 0..SEEDS {
+                let exec = simulated(policy.clone(), seed);
+                schedule |= wrong(&runs.draw(scene, k, None, exec)?) > alone;
+            }
+        }
+    }
+    Ok(Stability {
+        method: contract.name,
+        arrival,
+        arrival_at_ties,
+        arrival_at_overflow,
+        pooled: contract.keeps != Keeps::FirstArrivals,
+        schedule,
+        inexact_at_ties,
+        runs: runs.count,
+        declared: [contract.arrival_dependent, contract.racy],
+    })
+}
+
+struct Runs<'a> {
+    contract: &'a Contract,
+    count: usize,
+}
+
+impl Runs<'_> {
+    fn draw(
+        &mut self,
+        scene: &Scene,
+        k: Option<u32>,
+        memory_budget: Option<u64>,
+        exec: Exec,
+    ) -> Result<Report> {
+        self.count += 1;
+        let options = Options {
+            method: self.contract.name.to_owned(),
+            k,
+            exec,
+            threads: 1,
+            counters: false,
+            memory_budget,
+            ..Options::default()
+        };
+        Ok(render(scene, &options)?.report)
+    }
+
+    /// Whether the kept fragments differ between orders of triangles, one invocation after another.
+    fn orders_differ(
+        &mut self,
+        scene: &Scene,
+        k: Option<u32>,
+        memory_budget: Option<u64>,
+    ) -> Result<bool> {
+        let first = self.draw(scene, k, memory_budget, Exec::Tile)?.fragments_hash;
+        for seed in 0..ORDERS {
+            let mut other = scene.clone();
+            Random::new(seed, 0x0DE5).shuffle(&mut other.screen);
+            let drawn = self.draw(&other, k, memory_budget, Exec::Tile)?;
+            if drawn.fragments_hash != first {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+fn simulated(policy: Policy, seed: u64) -> Exec {
+    Exec::Sim(Sim { policy, seed, resident: 192, record: false, watch: None })
+}
+
+/// The same scene with every three neighbouring layers at the depth of the nearest of them.
+fn coplanar(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let mut depths: Vec<f64> = scene.screen.iter().map(|t| t.points[0][2]).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.dedup();
+    for triangle in &mut scene.screen {
+        let layer = depths.partition_point(|&z| z < triangle.points[0][2]);
+        let z = depths[layer / 3 * 3];
+        triangle.points.iter_mut().for_each(|point| point[2] = z);
+    }
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::catalogue::contract;
+
+    #[test]
+    fn every_three_layers_share_a_depth() {
+        let size = Overrides { size: Some([4, 4]), ..Overrides::default() };
+        let scene = coplanar(&scene::load("synthetic:n=7,density=100", &size).expect("a scene"));
+        let mut depths: Vec<f64> = scene.screen.iter().map(|t| t.points[0][2]).collect();
+        depths.sort_by(f64::total_cmp);
+        depths.dedup();
+        assert_eq!(depths.len(), 3);
+    }
+
+    /// The derivation can see each dependence, and the lack of it.
+    #[test]
+    fn known_methods_are_seen_as_they_are() {
+        let seen = |name| derive_one(contract(name).expect("known")).expect("drawn");
+        let correct = seen("kplus-array");
+        assert!(correct.agrees() && !correct.arrival_at_ties && !correct.schedule, "{correct:?}");
+        let racy = seen("kb");
+        assert!(racy.agrees() && racy.schedule && !racy.arrival_at_ties, "{racy:?}");
+        let first = seen("ab-array");
+        assert!(first.agrees() && first.arrival_at_overflow && !first.arrival, "{first:?}");
+        let ties = seen("kplus-array@M9");
+        assert!(ties.arrival_at_ties && !ties.arrival, "{ties:?}");
+    }
+}

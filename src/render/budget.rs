@@ -1,0 +1,141 @@
+//! A memory budget: how large k, or a pool, may be.
+//!
+//! The dynamic k-buffer takes k from the depth-complexity histogram (Vasilakis, Fudos 2014, section 5; the importance
+//! paper, section 2): the largest k whose storage fits. A method whose storage does not depend on k, an A-buffer, is told
+//! of fewer fragments than there are, and drops what finds no room.
+
+use crate::error::{Error, Result};
+use crate::memory::Layout;
+use crate::raster::FrontEnd;
+use crate::scheme::catalogue::{self, Visitor};
+use crate::scheme::contract::{Contract, Demand, Keeps};
+use crate::scheme::{Config, Scheme};
+
+/// What a budget led to.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Budget {
+    /// Bytes that the method's storage may take.
+    pub bytes: u64,
+    /// The k that was chosen, where storage depends on it.
+    pub k: Option<u32>,
+    /// Or for how many fragments there is room: in the frame, or at each pixel.
+    pub room: Option<u64>,
+    /// For every number of fragments, how many pixels have it.
+    pub histogram: Vec<u64>,
+    /// Fragments that no pixel has a place for: beyond its k, or its n.
+    pub beyond: u64,
+}
+
+/// What a scene asks for, before memory is allocated.
+pub(super) struct Scene<'a> {
+    front: &'a FrontEnd,
+    /// By storage pixel: those outside of the picture have no fragments.
+    histogram: Vec<u64>,
+    contract: &'a Contract,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(front: &'a FrontEnd, contract: &'a Contract) -> Self {
+        Self { front, histogram: front.depth_complexity(), contract }
+    }
+
+    fn sum(&self, of: impl Fn(u64) -> u64) -> u64 {
+        (0..).zip(&self.histogram).map(|(f, &pixels)| of(f) * pixels).sum()
+    }
+
+    /// The configuration with this k, if memory is no concern.
+    pub(super) fn config(&self, k: Option<u32>) -> Config {
+        let bound = k.filter(|_| self.contract.keeps == Keeps::Nearest).map(u64::from);
+        Config {
+            k,
+            pixels: self.front.grid.storage_pixels() as u32,
+            generated: self.sum(|f| f),
+            max_depth_complexity: self.histogram.len() as u32 - 1,
+            bounded: self.sum(|f| bound.map_or(f, |k| k.min(f))),
+            pages: self.sum(|f| f.div_ceil(u64::from(self.contract.page))),
+        }
+    }
+
+    /// The largest configuration that fits.
+    pub(super) fn within(&self, bytes: u64, k: Option<u32>) -> Result<(Config, Budget)> {
+        let grid = &self.front.grid;
+        let most = self.histogram.len() as u64 - 1;
+        let padding = grid.storage_pixels() as u64 - u64::from(grid.width) * u64::from(grid.height);
+        let mut histogram = self.histogram.clone();
+        histogram[0] -= padding;
+        let mut budget = Budget { bytes, histogram, ..Budget::default() };
+        let size = |config: Config| catalogue::visit(self.contract.name, Bytes { config });
+        let takes_k = self.contract.default_k.is_some();
+        let ends = [1, most.max(2) as u32].map(|k| size(self.config(Some(k))));
+        let [small, large] = ends;
+        if takes_k && small? < large? {
+            let most = most.clamp(1, u64::from(self.contract.max_k));
+            let with = |k: u64| self.config(Some(k as u32));
+            let k = self.largest(most, &|k| size(with(k)), bytes, "k = 1")?;
+            budget.k = Some(k as u32);
+            budget.beyond = self.sum(|f| f.saturating_sub(k));
+            return Ok((with(k), budget));
+        }
+        let full = self.config(k.or(self.contract.default_k));
+        let with = |room: u64| match self.contract.demand {
+            Demand::MaxDepthComplexity => Config { max_depth_complexity: room as u32, ..full },
+            _ => Config {
+                generated: room.min(full.generated),
+                bounded: room.min(full.bounded),
+                pages: room.min(full.pages),
+                ..full
+            },
+        };
+        let most = match self.contract.demand {
+            Demand::MaxDepthComplexity => u64::from(full.max_depth_complexity),
+            _ => full.generated,
+        };
+        let room = self.largest(most, &|room| size(with(room)), bytes, "one fragment")?;
+        if self.contract.demand == Demand::MaxDepthComplexity {
+            budget.beyond = self.sum(|f| f.saturating_sub(room));
+        }
+        budget.room = (self.contract.demand != Demand::Nothing).then_some(room);
+        Ok((with(room), budget))
+    }
+
+    /// The largest number up to `most` whose storage fits; `least` says what 1 is.
+    fn largest(
+        &self,
+        most: u64,
+        size: &dyn Fn(u64) -> Result<u64>,
+        bytes: u64,
+        least: &str,
+    ) -> Result<u64> {
+        let needed = size(1)?;
+        if needed > bytes {
+            let name = self.contract.name;
+            let problem = format!("{bytes} bytes: {name} needs {needed} for {least} at this size");
+            return Err(Error::new("--memory-budget", problem));
+        }
+        let (mut fits, mut beyond) = (1, most.max(1) + 1);
+        while beyond - fits > 1 {
+            let middle = u64::midpoint(fits, beyond);
+            if size(middle)? <= bytes { fits = middle } else { beyond = middle }
+        }
+        Ok(fits)
+    }
+}
+
+/// Asks a method how many bytes it needs.
+struct Bytes {
+    config: Config,
+}
+
+impl Visitor for Bytes {
+    type Output = u64;
+
+    fn scheme<S: Scheme>(self) -> u64 {
+        let mut layout = Layout::default();
+        let _ = S::new(&self.config, &mut layout);
+        layout.bytes(u64::from(self.config.pixels))
+    }
+
+    fn exact(self) -> u64 {
+        8 * self.config.bounded
+    }
+}
