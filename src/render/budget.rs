@@ -77,6 +77,10 @@ impl<'a> Scene<'a> {
             return Ok((with(k), budget));
         }
         let full = self.config(k.or(self.contract.default_k));
+        if self.contract.demand == Demand::Nothing {
+            self.largest(1, &|_| size(full), bytes, "this scene")?;
+            return Ok((full, budget));
+        }
         let with = |room: u64| match self.contract.demand {
             Demand::MaxDepthComplexity => Config { max_depth_complexity: room as u32, ..full },
             _ => Config {
@@ -94,7 +98,7 @@ impl<'a> Scene<'a> {
         if self.contract.demand == Demand::MaxDepthComplexity {
             budget.beyond = self.sum(|f| f.saturating_sub(room));
         }
-        budget.room = (self.contract.demand != Demand::Nothing).then_some(room);
+        budget.room = Some(room);
         Ok((with(room), budget))
     }
 
@@ -136,6 +140,6 @@ impl Visitor for Bytes {
     }
 
     fn exact(self) -> u64 {
-        8 * self.config.bounded
+        8 * self.config.generated
     }
 }

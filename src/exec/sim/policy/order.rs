@@ -25,21 +25,26 @@ impl Policy for Order {
     }
 }
 
-/// The youngest first.
+/// The youngest first. One that waits goes behind all others: it may wait for an older one, as at an ordered interlock.
 #[derive(Debug, Default)]
-pub(super) struct Reverse(Vec<u32>);
+pub(super) struct Reverse(VecDeque<u32>);
 
 impl Policy for Reverse {
     fn admit(&mut self, slot: u32) {
-        self.0.push(slot);
+        self.0.push_back(slot);
     }
 
     fn retire(&mut self, slot: u32) {
-        debug_assert_eq!(self.0.last(), Some(&slot), "only the last one runs");
-        self.0.pop();
+        debug_assert_eq!(self.0.back(), Some(&slot), "only the last one runs");
+        self.0.pop_back();
+    }
+
+    fn waits(&mut self, slot: u32) {
+        debug_assert_eq!(self.0.back(), Some(&slot), "only the last one runs");
+        self.0.rotate_right(1);
     }
 
     fn next(&mut self) -> Result<u32> {
-        Ok(self.0.last().copied().unwrap_or(u32::MAX))
+        Ok(self.0.back().copied().unwrap_or(u32::MAX))
     }
 }
