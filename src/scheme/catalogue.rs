@@ -2,8 +2,12 @@
 
 use super::ab_array::{self, AbArray, AtomicAdd};
 use super::ab_ll::{self, AbLinkedList};
+use super::ab_ll_bucket::{self, AbBucketList};
+use super::ab_ll_double::{self, AbDoubleList};
+use super::ab_ll_paged::{self, AbPagedList};
 use super::contract::Contract;
 use super::kb::KBuffer;
+use super::kb_ll::{self, KNearestList};
 use super::kplus_array::{Correct, KPlusArray, faults};
 use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
 use super::z_buffer::{self, ZBuffer};
@@ -64,7 +68,11 @@ catalogue! {
         ZBuffer,
         AbArray<AtomicAdd>,
         AbLinkedList,
+        AbPagedList,
+        AbBucketList,
+        AbDoubleList,
         KBuffer,
+        KNearestList,
         KPlusArray<Correct>,
         KPlusArrayPublished,
     }
@@ -76,6 +84,16 @@ catalogue! {
         AbLinkedList<ab_ll::PublishedFirst>,
         AbLinkedList<ab_ll::OneTooMany>,
         AbLinkedList<ab_ll::PlainHead>,
+        AbPagedList<ab_ll_paged::PlainUnlock>,
+        AbPagedList<ab_ll_paged::OneTooMany>,
+        AbPagedList<ab_ll_paged::NoLock>,
+        AbBucketList<ab_ll_bucket::OtherDepth>,
+        AbBucketList<ab_ll_bucket::NoBarrier>,
+        AbBucketList<ab_ll_bucket::OpenEnd>,
+        AbDoubleList<ab_ll_double::PublishedFirst>,
+        AbDoubleList<ab_ll_double::RelaxedPublication>,
+        KNearestList<kb_ll::PublishedFirst>,
+        KNearestList<kb_ll::RelaxedPublication>,
         KPlusArray<faults::PlainUnlock>,
         KPlusArray<faults::RelaxedUnlock>,
         KPlusArray<faults::RelaxedExchange>,

@@ -13,12 +13,16 @@
 
 pub mod ab_array;
 pub mod ab_ll;
+pub mod ab_ll_bucket;
+pub mod ab_ll_double;
+pub mod ab_ll_paged;
 pub mod catalogue;
 pub mod contract;
 pub mod exact;
 #[cfg(test)]
 mod hand_made;
 pub mod kb;
+pub mod kb_ll;
 pub mod kplus_array;
 pub mod kplus_array_published;
 pub mod lock;
