@@ -41,10 +41,10 @@ fn wrong_seeds(scene: &Scene, method: &str, k: Option<u32>) -> usize {
 
 #[test]
 fn the_correct_forms_survive_every_seed() {
-    for method in ["kplus-array", "exact"] {
+    for method in ["kplus-array", "kb-ll", "exact"] {
         assert_eq!(wrong_seeds(&crowded(), method, Some(3)), 0, "{method}");
     }
-    for method in ["ab-ll", "ab-array"] {
+    for method in ["ab-ll", "ab-ll-paged", "ab-ll-bucket", "ab-ll-double", "ab-array"] {
         assert_eq!(wrong_seeds(&crowded(), method, None), 0, "{method}");
     }
     assert_eq!(wrong_seeds(&crowded(), "z-buffer", Some(1)), 0);
@@ -64,6 +64,9 @@ fn faults_that_interleavings_show_are_caught() {
         ("kplus-array@published-fixed-unlock", &many, Some(3)),
         ("ab-array@plain-counter", &many, None),
         ("ab-ll@plain-head", &many, None),
+        ("ab-ll-paged@no-lock", &many, None),
+        ("ab-ll-double@M11", &many, None),
+        ("kb-ll@M11", &many, Some(3)),
         ("z-buffer@load-store", &many, Some(1)),
     ] {
         let wrong = wrong_seeds(scene, method, k);
@@ -164,6 +167,18 @@ fn a_full_pool_is_refused() {
     let (outcomes, keys) = pixel("ab-ll", 2, &[(3, 0), (2, 0), (1, 0)]);
     assert_eq!(outcomes, [Outcome::Kept, Outcome::Kept, Outcome::Pool]);
     assert_eq!(keys, [key(2, 0), key(3, 0)]);
+}
+
+/// Of two pages, for eight fragments, the ninth gets none, and raises no counter.
+#[test]
+fn a_full_pool_of_pages_is_refused() {
+    let fragments: Vec<(u32, u32)> = (0..10).map(|i| (i, 0)).collect();
+    let config = Config { pixels: 1, pages: 2, ..Config::default() };
+    let pixel = Pixel { config, fragments: &fragments };
+    let (outcomes, keys) = catalogue::visit("ab-ll-paged", pixel).expect("a method");
+    assert_eq!(outcomes[..8], [Outcome::Kept; 8]);
+    assert_eq!(outcomes[8..], [Outcome::Pool; 2]);
+    assert!(keys.into_iter().eq((0..8).map(|depth| key(depth, 0))));
 }
 
 /// M14 of the pool, which is as large as the scene: it takes one that is not.

@@ -2,10 +2,14 @@
 
 use super::ab_array::{self, AbArray, AtomicAdd};
 use super::ab_ll::{self, AbLinkedList};
+use super::ab_ll_bucket::{self, AbBucketList};
+use super::ab_ll_double::{self, AbDoubleList};
+use super::ab_ll_paged::{self, AbPagedList};
 use super::contract::Contract;
 use super::dfb::DynamicFragmentBuffer;
 use super::kb::KBuffer;
 use super::kb_ab::{self, KbAb};
+use super::kb_ll::{self, KNearestList};
 use super::kb_mdt32::{self, KbMdt32};
 use super::kb_mdt64::{self, KbMdt64};
 use super::kb_ps::{self, KbPixelSync};
@@ -85,6 +89,10 @@ catalogue! {
         KbAb<AbLinkedList>,
         KbAb<SBuffer>,
         KPlus,
+        AbPagedList,
+        AbBucketList,
+        AbDoubleList,
+        KNearestList,
         KPlusArray<Correct>,
         KPlusArrayPublished,
         KPlusHeap,
@@ -101,6 +109,16 @@ catalogue! {
         AbLinkedList<ab_ll::PublishedFirst>,
         AbLinkedList<ab_ll::OneTooMany>,
         AbLinkedList<ab_ll::PlainHead>,
+        AbPagedList<ab_ll_paged::PlainUnlock>,
+        AbPagedList<ab_ll_paged::OneTooMany>,
+        AbPagedList<ab_ll_paged::NoLock>,
+        AbBucketList<ab_ll_bucket::OtherDepth>,
+        AbBucketList<ab_ll_bucket::NoBarrier>,
+        AbBucketList<ab_ll_bucket::OpenEnd>,
+        AbDoubleList<ab_ll_double::PublishedFirst>,
+        AbDoubleList<ab_ll_double::RelaxedPublication>,
+        KNearestList<kb_ll::PublishedFirst>,
+        KNearestList<kb_ll::RelaxedPublication>,
         KPlusArray<faults::PlainUnlock>,
         KPlusArray<faults::RelaxedUnlock>,
         KPlusArray<faults::RelaxedExchange>,

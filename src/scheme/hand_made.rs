@@ -13,8 +13,12 @@ pub(super) struct HandMade<S> {
 
 impl<S: Scheme> HandMade<S> {
     pub(super) fn new(k: Option<u32>, generated: u64) -> Self {
+        Self::of(&Config { k, pixels: 1, generated, ..Config::default() })
+    }
+
+    pub(super) fn of(config: &Config) -> Self {
         let mut layout = Layout::default();
-        let scheme = S::new(&Config { k, pixels: 1, generated, ..Config::default() }, &mut layout);
+        let scheme = S::new(config, &mut layout);
         let cells = Cells::new(&layout, 1);
         Self { scheme, values: vec![None; cells.count() as usize], cells }
     }

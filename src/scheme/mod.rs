@@ -13,6 +13,9 @@
 
 pub mod ab_array;
 pub mod ab_ll;
+pub mod ab_ll_bucket;
+pub mod ab_ll_double;
+pub mod ab_ll_paged;
 pub mod catalogue;
 pub mod contract;
 pub mod dfb;
@@ -22,6 +25,7 @@ mod hand_made;
 pub mod interlock;
 pub mod kb;
 pub mod kb_ab;
+pub mod kb_ll;
 pub mod kb_mdt32;
 pub mod kb_mdt64;
 pub mod kb_ps;

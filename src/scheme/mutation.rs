@@ -35,7 +35,7 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in(
         "M1",
         "unlock by a plain or relaxed store, without a barrier",
-        &["kplus-array@M1", "kplus-array@M1-relaxed", "kplus-heap@M1"],
+        &["kplus-array@M1", "kplus-array@M1-relaxed", "kplus-heap@M1", "ab-ll-paged@M1"],
     ),
     built_in(
         "M2",
@@ -66,20 +66,32 @@ pub const MUTATIONS: &[Mutation] = &[
         "the tail is blended outside the critical section, or without evicting",
         "needs a tail: no such method yet",
     ),
-    built_in("M11", "a node is published before it is written (equivalent here)", &["ab-ll@M11"]),
+    built_in(
+        "M11",
+        "a node is published before it is written (equivalent where nobody reads it: ab-ll)",
+        &["ab-ll@M11", "ab-ll-double@M11", "kb-ll@M11"],
+    ),
     absent(
         "M12",
         "a switch between ordered and unordered that is not connected",
         "needs an ordered form: no such method yet",
     ),
     absent("M13", "the age field overflows", "needs an age: no such method yet"),
-    built_in("M14", "a bound test with <= for <", &["ab-array@M14", "ab-ll@M14", "s-buffer@M14"]),
+    built_in(
+        "M14",
+        "a bound test with <= for <",
+        &["ab-array@M14", "ab-ll@M14", "s-buffer@M14", "ab-ll-paged@M14"],
+    ),
     absent("M15", "a merge quantised to 8 bits in mid-stream", "needs a merge: no such method yet"),
-    built_in("M16", "depth computed by two formulas in two passes", &["kb-mdt32@M16"]),
+    built_in(
+        "M16",
+        "depth computed by two formulas in two passes",
+        &["kb-mdt32@M16", "ab-ll-bucket@M16"],
+    ),
     built_in(
         "M17",
         "a missing barrier between clear, store and resolve",
-        &["kplus-array@M17", "kplus-array@M17-resolve", "s-buffer@M17"],
+        &["kplus-array@M17", "kplus-array@M17-resolve", "s-buffer@M17", "ab-ll-bucket@M17"],
     ),
     built_in(
         "M18",
@@ -102,6 +114,13 @@ pub const MUTATIONS: &[Mutation] = &[
         "plain-counter",
         "a counter raised by a load and a store",
         &["ab-array@plain-counter"],
+    ),
+    built_in("no-lock", "slot and page taken without the lock", &["ab-ll-paged@no-lock"]),
+    built_in("open-end", "the far end of a range in no bucket", &["ab-ll-bucket@open-end"]),
+    built_in(
+        "relaxed",
+        "a node published by an operation that orders nothing",
+        &["ab-ll-double@relaxed", "kb-ll@relaxed"],
     ),
     built_in("plain-head", "a head replaced by a load and a store", &["ab-ll@plain-head"]),
     built_in(
