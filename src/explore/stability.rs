@@ -140,6 +140,8 @@ impl Runs<'_> {
             k,
             exec,
             threads: 1,
+            // So that the picture is most of what memory is allocated for.
+            tile: 16,
             counters: false,
             memory_budget,
             ..Options::default()

@@ -12,6 +12,7 @@ use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Form;
 use crate::scheme::lock::{FREE, SpinLock};
+use crate::scheme::max_heap::By;
 use crate::scheme::slots::{OfPixel, Slots, entry};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme, max_heap};
 
@@ -31,8 +32,8 @@ pub trait Variant: Sync {
     const RECORD_FIRST: bool = true;
     /// Whether records make room for the new one, instead of being swapped with it.
     const BY_HOLE: bool = true;
-    /// Whether whole keys are compared, and not depths alone.
-    const WHOLE_KEYS: bool = true;
+    /// How records are compared.
+    const COMPARED: By = By::Key;
     /// Whether a full heap takes what is nearer.
     const EVICTS: bool = true;
 }
@@ -113,7 +114,7 @@ impl Variant for Published {
     const RAISE: Access = Access::Plain;
     const RECORD_FIRST: bool = false;
     const BY_HOLE: bool = false;
-    const WHOLE_KEYS: bool = false;
+    const COMPARED: By = By::Depth;
 }
 
 impl Variant for RelaxedCounter {
@@ -154,7 +155,7 @@ impl Variant for DropsByArrival {
 impl Variant for EqualDepthStops {
     const CONTRACT: Contract =
         CONTRACT.fault("kplus-heap@M9", "Fault M9: equal depth is culled", "depths differ");
-    const WHOLE_KEYS: bool = false;
+    const COMPARED: By = By::Depth;
 }
 
 impl<V: Variant> Scheme for KPlusHeap<V> {
@@ -184,7 +185,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         if mem.read(counter, V::TEST).await == self.k {
             let root = mem.read(heap.depth(0), V::TEST).await;
             // Of equal depths, the data word decides, which only who holds the lock may read.
-            if fragment.depth > root || (!V::WHOLE_KEYS && fragment.depth == root) {
+            if fragment.depth > root || (V::COMPARED == By::Depth && fragment.depth == root) {
                 return Outcome::Culled;
             }
         }
@@ -203,7 +204,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                     if V::BY_HOLE {
                         max_heap::append(mem, heap, count, new).await;
                     } else {
-                        max_heap::append_by_swaps(mem, heap, count, new).await;
+                        max_heap::append_by_swaps(mem, heap, count, new, V::COMPARED).await;
                     }
                     if V::RECORD_FIRST {
                         mem.write(counter, count + 1, V::RAISE).await;
@@ -211,12 +212,12 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                     outcome = Outcome::Kept;
                 } else {
                     let root = pair_key(entry(mem, heap, 0).await);
-                    let nearer = if V::WHOLE_KEYS { new < root } else { new >> 32 < root >> 32 };
+                    let nearer = V::COMPARED.of(new) < V::COMPARED.of(root);
                     if nearer && V::EVICTS {
                         if V::BY_HOLE {
                             max_heap::replace(mem, heap, self.k, new).await;
                         } else {
-                            max_heap::replace_by_swaps(mem, heap, self.k, new).await;
+                            max_heap::replace_by_swaps(mem, heap, self.k, new, V::COMPARED).await;
                         }
                         outcome = Outcome::Evicted;
                     }
@@ -241,7 +242,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         }
         let record = |i| {
             let (depth, data) = (words.get(heap.depth(i))?, words.get(heap.data(i))?);
-            Some(if V::WHOLE_KEYS { pair_key((depth, data)) } else { u64::from(depth) })
+            Some(V::COMPARED.of(pair_key((depth, data))))
         };
         for i in 0..count {
             let Some(own) = record(i) else {

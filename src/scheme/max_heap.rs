@@ -49,14 +49,34 @@ pub async fn replace<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u6
     put(mem, slots, hole, key).await;
 }
 
+/// How records are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// Whole keys.
+    Key,
+    /// Depths alone, as published.
+    Depth,
+}
+
+impl By {
+    /// What is compared of a record.
+    #[must_use]
+    pub fn of(self, key: u64) -> u64 {
+        match self {
+            Self::Key => key,
+            Self::Depth => key >> 32,
+        }
+    }
+}
+
 /// As Algorithm 2 has it: the new record is swapped with its parent.
-pub async fn append_by_swaps<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64) {
+pub async fn append_by_swaps<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64, by: By) {
     let mut place = count;
     put(mem, slots, place, key).await;
     while place > 0 {
         let parent = (place - 1) / 2;
         let above = pair_key(entry(mem, slots, parent).await);
-        if key >> 32 <= above >> 32 {
+        if by.of(key) <= by.of(above) {
             break;
         }
         put(mem, slots, place, above).await;
@@ -66,7 +86,13 @@ pub async fn append_by_swaps<M: Memory, S: Slots>(mem: &M, slots: S, count: u32,
 }
 
 /// As Algorithm 2 has it: the new record replaces the root, and is swapped with its farther child.
-pub async fn replace_by_swaps<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64) {
+pub async fn replace_by_swaps<M: Memory, S: Slots>(
+    mem: &M,
+    slots: S,
+    count: u32,
+    key: u64,
+    by: By,
+) {
     let mut place = 0;
     put(mem, slots, place, key).await;
     loop {
@@ -77,11 +103,11 @@ pub async fn replace_by_swaps<M: Memory, S: Slots>(mem: &M, slots: S, count: u32
         let (mut child, mut largest) = (left, pair_key(entry(mem, slots, left).await));
         if left + 1 < count {
             let right = pair_key(entry(mem, slots, left + 1).await);
-            if right >> 32 > largest >> 32 {
+            if by.of(right) > by.of(largest) {
                 (child, largest) = (left + 1, right);
             }
         }
-        if key >> 32 >= largest >> 32 {
+        if by.of(key) >= by.of(largest) {
             break;
         }
         put(mem, slots, place, largest).await;
