@@ -22,7 +22,8 @@ use support::{draw, options, policies, scene, sim, small_scenes};
 fn cases() -> Vec<(&'static Contract, Option<u32>)> {
     let promised = contracts().into_iter().filter(|c| c.form != Form::Mutation);
     let with_k = |c: &'static Contract| {
-        let ks = if c.keeps == Keeps::Nearest { vec![Some(3), Some(64)] } else { vec![None] };
+        let takes_k = c.keeps == Keeps::Nearest || c.default_k.is_some();
+        let ks = if takes_k { vec![Some(3), Some(64)] } else { vec![None] };
         ks.into_iter().map(move |k| (c, k))
     };
     promised.flat_map(with_k).collect()
@@ -38,9 +39,9 @@ fn with(method: &str, k: Option<u32>, exec: Exec) -> Options {
     Options { exec, ..options(method, k) }
 }
 
-/// The reference for a method: `exact` with the k that the method promises.
+/// The reference for a method: what it promises of the exact lists.
 fn reference(scene: &Scene, contract: &Contract, k: Option<u32>) -> Lists {
-    draw(scene, &options("exact", contract.reference_k(k))).lists
+    draw(scene, &options("exact", None)).lists.cut(|keys| contract.keep(keys, k))
 }
 
 fn balances(report: &Report) -> bool {
