@@ -3,9 +3,14 @@
 use super::ab_array::{self, AbArray, AtomicAdd};
 use super::ab_ll::{self, AbLinkedList};
 use super::contract::Contract;
+use super::depth_peel::{self, DepthPeel};
+use super::depth_peel_bucket::BucketPeel;
+use super::depth_peel_dual::{self, DualPeel};
 use super::kb::KBuffer;
+use super::kb_multi::{self, KBufferMulti};
 use super::kplus_array::{Correct, KPlusArray, faults};
 use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use super::kplus_multi::{self, KPlusMulti};
 use super::z_buffer::{self, ZBuffer};
 use super::{Scheme, exact};
 use crate::error::{Error, Result};
@@ -67,6 +72,12 @@ catalogue! {
         KBuffer,
         KPlusArray<Correct>,
         KPlusArrayPublished,
+        DepthPeel,
+        DepthPeel<depth_peel::Published>,
+        DualPeel,
+        BucketPeel,
+        KPlusMulti,
+        KBufferMulti,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -92,6 +103,11 @@ catalogue! {
         KPlusArray<faults::OneTest>,
         KPlusArray<faults::RootFirst>,
         KPlusArrayPublished<OrderedUnlock>,
+        DepthPeel<depth_peel::NotStrict>,
+        DepthPeel<depth_peel::BehindNearPlane>,
+        DualPeel<depth_peel_dual::MiddleTwice>,
+        KPlusMulti<kplus_multi::Cut>,
+        KBufferMulti<kb_multi::Unverified>,
     }
 }
 

@@ -15,12 +15,17 @@ pub mod ab_array;
 pub mod ab_ll;
 pub mod catalogue;
 pub mod contract;
+pub mod depth_peel;
+pub mod depth_peel_bucket;
+pub mod depth_peel_dual;
 pub mod exact;
 #[cfg(test)]
 mod hand_made;
 pub mod kb;
+pub mod kb_multi;
 pub mod kplus_array;
 pub mod kplus_array_published;
+pub mod kplus_multi;
 pub mod lock;
 pub mod max_array;
 pub mod max_heap;
