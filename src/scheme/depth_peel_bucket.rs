@@ -11,7 +11,7 @@ use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Barrier, Kind, Pass, Program};
-use crate::scheme::depth_peel_dual::Ends;
+use crate::scheme::ends::Ends;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Buckets of a pixel.

@@ -18,6 +18,7 @@ pub mod contract;
 pub mod depth_peel;
 pub mod depth_peel_bucket;
 pub mod depth_peel_dual;
+pub mod ends;
 pub mod exact;
 #[cfg(test)]
 mod hand_made;
