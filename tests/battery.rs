@@ -207,6 +207,20 @@ fn storage_is_what_the_formula_says() {
     }
 }
 
+/// Depth peeling by depth alone loses all but one of equal depths, says so, and breaks no promise.
+#[test]
+fn one_of_every_depth_is_kept_and_the_others_are_counted() {
+    let scene = scene("hairball", [128, 128]);
+    for exec in [Exec::Tile, Exec::Threads] {
+        let drawn = draw(&scene, &with("depth-peel@published", Some(8), exec));
+        assert!(drawn.report.dropped["lost"] > 0, "the scene has ties");
+        assert_eq!(drawn.report.violations, Vec::<String>::new());
+        let contract = catalogue::contract("depth-peel@published").expect("in the catalogue");
+        assert_eq!(drawn.lists, reference(&scene, contract, Some(8)));
+        assert_ne!(drawn.lists, draw(&scene, &options("exact", Some(8))).lists);
+    }
+}
+
 #[test]
 fn overflow_drops_by_arrival_and_is_counted() {
     let scene = scene("synthetic:n=14", [24, 24]);

@@ -116,12 +116,16 @@ impl Executions {
         let wrong = |e: &&&Executed| e.fragments_hash != expected || !e.wrong.is_empty();
         let failed: Vec<&&Executed> = done.iter().filter(wrong).collect();
         let mut row = self.row(subject, scene, Property::Keeps, done.len());
+        let promised = match subject.contract.keeps {
+            Keeps::Layers => "the nearest fragment of every depth",
+            _ => "the exact fragments",
+        };
         match failed.first() {
             Some(first) => {
                 row.verdict = Verdict::Violated;
                 row.token = Some(self.token(scene, first));
                 row.message = format!(
-                    "{} of {} executions differ from the exact fragments; seed {} loses {}",
+                    "{} of {} executions differ from {promised}; seed {} loses {}",
                     failed.len(),
                     done.len(),
                     first.seed,
@@ -132,10 +136,8 @@ impl Executions {
                 }
             }
             None => {
-                row.message = format!(
-                    "{} executions equal the exact fragments; a sample, no proof",
-                    done.len()
-                );
+                row.message =
+                    format!("{} executions equal {promised}; a sample, no proof", done.len());
             }
         }
         row
