@@ -22,7 +22,8 @@ use support::{draw, options, policies, scene, sim, small_scenes};
 fn cases() -> Vec<(&'static Contract, Option<u32>)> {
     let promised = contracts().into_iter().filter(|c| c.form != Form::Mutation);
     let with_k = |c: &'static Contract| {
-        let ks = if c.keeps == Keeps::Nearest { vec![Some(3), Some(64)] } else { vec![None] };
+        let takes_k = c.keeps == Keeps::Nearest || c.default_k.is_some();
+        let ks = if takes_k { vec![Some(3), Some(64)] } else { vec![None] };
         ks.into_iter().map(move |k| (c, k))
     };
     promised.flat_map(with_k).collect()
@@ -38,10 +39,10 @@ fn with(method: &str, k: Option<u32>, exec: Exec) -> Options {
     Options { exec, ..options(method, k) }
 }
 
-/// The reference for a method: `exact` with the k that the method promises.
+/// The reference for a method: what it promises of the exact lists.
 fn reference(scene: &Scene, contract: &Contract, k: Option<u32>) -> Lists {
-    let exact = options("exact", contract.reference_k(k));
-    draw(scene, &Options { depth_format: contract.depth_format, ..exact }).lists
+    let exact = Options { depth_format: contract.depth_format, ..options("exact", None) };
+    draw(scene, &exact).lists.cut(|keys| contract.keep(keys, k))
 }
 
 fn balances(report: &Report) -> bool {
@@ -323,6 +324,20 @@ fn bounded_methods_need_what_their_paper_says() {
         let contract = catalogue::contract(name).expect("known");
         assert_eq!(contract.published_words, Some(said), "{name}");
         assert_eq!(contract.words, said, "{name}: and ours needs no more");
+    }
+}
+
+/// Depth peeling by depth alone loses all but one of equal depths, says so, and breaks no promise.
+#[test]
+fn one_of_every_depth_is_kept_and_the_others_are_counted() {
+    let scene = scene("hairball", [128, 128]);
+    for exec in [Exec::Tile, Exec::Threads] {
+        let drawn = draw(&scene, &with("depth-peel@published", Some(8), exec));
+        assert!(drawn.report.dropped["lost"] > 0, "the scene has ties");
+        assert_eq!(drawn.report.violations, Vec::<String>::new());
+        let contract = catalogue::contract("depth-peel@published").expect("in the catalogue");
+        assert_eq!(drawn.lists, reference(&scene, contract, Some(8)));
+        assert_ne!(drawn.lists, draw(&scene, &options("exact", Some(8))).lists);
     }
 }
 

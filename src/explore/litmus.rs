@@ -217,8 +217,7 @@ pub fn instances(contract: &Contract, family: &Family) -> Vec<Litmus> {
 /// The instances with exactly `n` fragments.
 #[must_use]
 pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
-    let takes_k = contract.keeps == Keeps::Nearest && contract.default_k.is_some();
-    let ks: Vec<Option<u32>> = if takes_k {
+    let ks: Vec<Option<u32>> = if contract.default_k.is_some() {
         family.ks.iter().copied().filter(|&k| k <= contract.max_k).map(Some).collect()
     } else {
         vec![None]

@@ -13,7 +13,7 @@ use super::litmus::{Litmus, Stage};
 use super::model::{self, Initial, MemoryModel, Model, Race};
 use super::schedule::Move;
 use super::shader::{Ended, Shader, Task};
-use crate::memory::asked::{Action, Cells};
+use crate::memory::asked::{Action, Cells, OpenBlock};
 use crate::memory::{Access, Order, Snapshot};
 use crate::resolve::sort;
 use crate::scheme::{Contract, Moment, Outcome};
@@ -337,11 +337,15 @@ impl<'a> Machine<'a> {
     }
 
     /// A lane may leave a block when every unfinished lane of its warp that is in the body of the same parent stands
-    /// at the same merge; lanes at the parent's own merge do not count.
+    /// at the same merge; lanes at the parent's own merge do not count, nor do those in a later block of that parent,
+    /// which have left this one, and together with this lane.
     fn may_merge(&self, nodes: &[NodeId], invocation: usize) -> bool {
         let Some(warp) = self.device.warp else { return true };
         let own = self.forest.stack(nodes[invocation]);
-        let parent = &own[..own.len() - 1];
+        let (block, parent) = (own.len() - 1, &own[..own.len() - 1]);
+        let later = |stack: &[OpenBlock]| {
+            stack.get(block).is_some_and(|other| other.ordinal > own[block].ordinal)
+        };
         let lanes = warp as usize;
         let first = invocation / lanes * lanes;
         let others = (first..(first + lanes).min(nodes.len())).filter(|&i| i != invocation);
@@ -349,7 +353,8 @@ impl<'a> Machine<'a> {
             let node = self.forest.node(nodes[other]);
             let (stack, merging) = (self.forest.stack(nodes[other]), node.step == Step::Merge);
             let ended = matches!(node.step, Step::Ended(_));
-            let outside = !stack.starts_with(parent) || (merging && stack == parent);
+            let outside =
+                !stack.starts_with(parent) || (merging && stack == parent) || later(stack);
             ended || outside || (merging && stack == own)
         })
     }

@@ -10,7 +10,7 @@ use super::machine::{Device, MOST_INVOCATIONS};
 use super::model::MemoryModel;
 use super::property::Property;
 use super::run::{Run, Runner, run};
-use super::scene::litmus_of;
+use super::scene::{expected, litmus_of};
 use super::schedule::{Move, Schedule, switches};
 use super::shader::{Shader, Subject, subject};
 use super::token::LitmusToken;
@@ -67,16 +67,14 @@ pub fn minimise_scene(
     limits: &Limits<'_>,
 ) -> Result<LitmusToken> {
     let subject = subject(&options.method)?;
-    let k = options.k.or(subject.contract.default_k);
-    let exact = Options {
+    let expected = expected(subject.contract, scene, options)?;
+    let all = Options {
         method: "exact".to_owned(),
-        k: subject.contract.reference_k(k),
+        k: None,
         exec: Exec::Tile,
         depth_format: options.depth_format.or(subject.contract.depth_format),
         ..options.clone()
     };
-    let expected = render(scene, &exact)?.lists;
-    let all = Options { k: None, ..exact };
     let sizes = render(scene, &all)?.lists;
     let found = render(scene, options)?.lists;
     let [width, height] = scene.size;

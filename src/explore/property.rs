@@ -135,8 +135,8 @@ fn keeps(
     list: &[u64],
     reports: &[Outcome],
 ) -> Option<String> {
-    let k = contract.reference_k(litmus.k).map_or(usize::MAX, |k| k as usize);
-    let expected = &generated[..k.min(generated.len())];
+    let mut expected = generated.to_vec();
+    contract.keep(&mut expected, litmus.k);
     let dropped = reports.iter().filter(|o| matches!(o, Outcome::Overflow | Outcome::Pool)).count();
     let right = match contract.keeps {
         // Drops by arrival: any of the fragments may be missing, but no more than were reported and than do not fit.
@@ -151,19 +151,18 @@ fn keeps(
         // By depth alone, whoever of the equal ones came first.
         Keeps::Nearest if contract.arrival_dependent => {
             let depths = |keys: &[u64]| keys.iter().map(|&key| depth_of(key)).collect::<Vec<_>>();
-            depths(list) == depths(expected) && is_part(list, generated)
+            depths(list) == depths(&expected) && is_part(list, generated)
         }
         _ => list == expected,
     };
-    (!right).then(|| format!("{} instead of {}", keys(list), keys(expected)))
+    (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
 }
 
 /// What every pixel should hold, where the contract leaves no choice.
 pub(super) fn expected(contract: &Contract, litmus: &Litmus) -> Vec<Vec<u64>> {
-    let k = contract.reference_k(litmus.k).map_or(usize::MAX, |k| k as usize);
     let pixel = |pixel: u32| {
         let mut keys = litmus.generated(pixel);
-        keys.truncate(k);
+        contract.keep(&mut keys, litmus.k);
         keys
     };
     (0..litmus.pixels).map(pixel).collect()

@@ -21,7 +21,10 @@ use crate::fragment::Fragment;
 use crate::raster::primitive::Rect;
 use crate::raster::{Batch, FrontEnd, Grid, Record};
 use crate::render::{Exec, Options, Sim, render};
+use crate::resolve::Lists;
+use crate::resolve::hash::fragments_hash;
 use crate::scene::Scene;
+use crate::scheme::{Contract, Keeps};
 
 /// Many executions of a scene.
 #[derive(Clone, Debug)]
@@ -46,6 +49,20 @@ struct Executed {
     wrong: Vec<String>,
 }
 
+/// The lists that a method should give.
+pub(super) fn expected(contract: &Contract, scene: &Scene, options: &Options) -> Result<Lists> {
+    let k = options.k.or(contract.default_k);
+    let exact = Options {
+        method: "exact".to_owned(),
+        k: if contract.keeps == Keeps::Layers { None } else { contract.reference_k(k) },
+        exec: Exec::Tile,
+        depth_format: options.depth_format.or(contract.depth_format),
+        counters: false,
+        ..options.clone()
+    };
+    Ok(render(scene, &exact)?.lists.cut(|keys| contract.keep(keys, k)))
+}
+
 impl Executions {
     /// Run them all; one row for the kept fragments and one for the result being the same.
     ///
@@ -53,16 +70,8 @@ impl Executions {
     /// The scene cannot be drawn so.
     pub fn check(&self, subject: &Subject, scene: &Scene, limits: &Limits<'_>) -> Result<Vec<Row>> {
         let sim = self.sim()?;
-        let k = self.options.k.or(subject.contract.default_k);
-        let exact = Options {
-            method: "exact".to_owned(),
-            k: subject.contract.reference_k(k),
-            exec: Exec::Tile,
-            depth_format: self.options.depth_format.or(subject.contract.depth_format),
-            counters: false,
-            ..self.options.clone()
-        };
-        let expected = render(scene, &exact)?.report.fragments_hash;
+        let right = expected(subject.contract, scene, &self.options)?;
+        let expected = fragments_hash(right.width, right.height, &right.offsets, &right.keys);
         let run = |i: u64| self.run(scene, &sim, i, limits);
         let all: Vec<Option<Executed>> =
             (0..self.count).into_par_iter().map(run).collect::<Result<_>>()?;
@@ -107,12 +116,16 @@ impl Executions {
         let wrong = |e: &&&Executed| e.fragments_hash != expected || !e.wrong.is_empty();
         let failed: Vec<&&Executed> = done.iter().filter(wrong).collect();
         let mut row = self.row(subject, scene, Property::Keeps, done.len());
+        let promised = match subject.contract.keeps {
+            Keeps::Layers => "the nearest fragment of every depth",
+            _ => "the exact fragments",
+        };
         match failed.first() {
             Some(first) => {
                 row.verdict = Verdict::Violated;
                 row.token = Some(self.token(scene, first));
                 row.message = format!(
-                    "{} of {} executions differ from the exact fragments; seed {} loses {}",
+                    "{} of {} executions differ from {promised}; seed {} loses {}",
                     failed.len(),
                     done.len(),
                     first.seed,
@@ -123,10 +136,8 @@ impl Executions {
                 }
             }
             None => {
-                row.message = format!(
-                    "{} executions equal the exact fragments; a sample, no proof",
-                    done.len()
-                );
+                row.message =
+                    format!("{} executions equal {promised}; a sample, no proof", done.len());
             }
         }
         row

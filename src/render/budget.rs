@@ -73,7 +73,9 @@ impl<'a> Scene<'a> {
             let with = |k: u64| self.config(Some(k as u32));
             let k = self.largest(most, &|k| size(with(k)), bytes, "k = 1")?;
             budget.k = Some(k as u32);
-            budget.beyond = self.sum(|f| f.saturating_sub(k));
+            if self.contract.keeps != Keeps::All {
+                budget.beyond = self.sum(|f| f.saturating_sub(k));
+            }
             return Ok((with(k), budget));
         }
         let full = self.config(k.or(self.contract.default_k));

@@ -293,9 +293,15 @@ fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
 /// What the method promised and did not keep.
 fn violations(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut found = Vec::new();
-    let wrong = tally.lost + tally.duplicated + tally.torn;
-    let unbalanced = if contract.judged { wrong > 0 } else { tally.unbalanced > 0 };
-    if !contract.racy && unbalanced {
+    // Who keeps one of every depth loses the others, and says so.
+    let lost = if contract.keeps == Keeps::Layers { 0 } else { tally.lost };
+    if contract.judged && !contract.racy && lost + tally.duplicated + tally.torn > 0 {
+        found.push(format!(
+            "{lost} fragments lost, {} duplicated, {} torn",
+            tally.duplicated, tally.torn
+        ));
+    }
+    if !contract.judged && !contract.racy && tally.unbalanced > 0 {
         found.push(format!(
             "{} pixels do not balance: {} fragments lost, {} duplicated, {} torn",
             tally.unbalanced, tally.lost, tally.duplicated, tally.torn

@@ -23,4 +23,17 @@ impl Lists {
         let p = (y as usize) * (self.width as usize) + x as usize;
         &self.keys[self.offsets[p] as usize..self.offsets[p + 1] as usize]
     }
+
+    /// What remains when `keep` has cut every pixel's list.
+    #[must_use]
+    pub fn cut(&self, keep: impl Fn(&mut Vec<u64>)) -> Self {
+        let (mut offsets, mut keys) = (vec![0], Vec::new());
+        for ends in self.offsets.windows(2) {
+            let mut list = self.keys[ends[0] as usize..ends[1] as usize].to_vec();
+            keep(&mut list);
+            keys.extend(list);
+            offsets.push(keys.len() as u64);
+        }
+        Self { offsets, keys, ..*self }
+    }
 }

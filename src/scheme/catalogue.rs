@@ -6,18 +6,23 @@ use super::ab_ll_bucket::{self, AbBucketList};
 use super::ab_ll_double::{self, AbDoubleList};
 use super::ab_ll_paged::{self, AbPagedList};
 use super::contract::Contract;
+use super::depth_peel::{self, DepthPeel};
+use super::depth_peel_bucket::BucketPeel;
+use super::depth_peel_dual::{self, DualPeel};
 use super::dfb::DynamicFragmentBuffer;
 use super::kb::KBuffer;
 use super::kb_ab::{self, KbAb};
 use super::kb_ll::{self, KNearestList};
 use super::kb_mdt32::{self, KbMdt32};
 use super::kb_mdt64::{self, KbMdt64};
+use super::kb_multi::{self, KBufferMulti};
 use super::kb_ps::{self, KbPixelSync};
 use super::kb_sr::KbStencilRouted;
 use super::kplus::KPlus;
 use super::kplus_array::{Correct, KPlusArray, faults};
 use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
 use super::kplus_heap::{self, KPlusHeap};
+use super::kplus_multi::{self, KPlusMulti};
 use super::kplus_sb::{self, KPlusSb};
 use super::s_buffer::{self, SBuffer};
 use super::z_buffer::{self, ZBuffer};
@@ -100,6 +105,12 @@ catalogue! {
         KPlusSb,
         KPlusSb<kplus_sb::Heap>,
         KPlusSb<kplus_sb::Published>,
+        DepthPeel,
+        DepthPeel<depth_peel::Published>,
+        DualPeel,
+        BucketPeel,
+        KPlusMulti,
+        KBufferMulti,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -148,6 +159,11 @@ catalogue! {
         KPlusHeap<kplus_heap::RootFirst>,
         KPlusHeap<kplus_heap::DropsByArrival>,
         KPlusHeap<kplus_heap::EqualDepthStops>,
+        DepthPeel<depth_peel::NotStrict>,
+        DepthPeel<depth_peel::BehindNearPlane>,
+        DualPeel<depth_peel_dual::MiddleTwice>,
+        KPlusMulti<kplus_multi::Cut>,
+        KBufferMulti<kb_multi::Unverified>,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::fragment::depth_of;
 use crate::num::depth::Format;
 
 /// What a method promises.
@@ -48,7 +49,8 @@ pub struct Contract {
     pub wgsl: Option<&'static str>,
     /// The depth word that the paper fixes; `None` where any will do.
     pub depth_format: Option<Format>,
-    /// `-k` if it is not given; `None` where the method keeps all or measures the scene.
+    /// `-k` if it is not given; `None` where the method takes none or measures the scene. Where a method keeps all, it
+    /// bounds what a round keeps.
     pub default_k: Option<u32>,
     /// The largest `-k`.
     pub max_k: u32,
@@ -202,6 +204,9 @@ pub enum Keeps {
     Nearest,
     /// The smallest in canonical order.
     One,
+    /// The smallest of every depth; of these, the k smallest in canonical order. It differs from the exact answer
+    /// where depths are equal, and says so: what is missing is counted as lost, and no violation.
+    Layers,
     /// Every fragment while there are free slots, then none.
     FirstArrivals,
 }
@@ -265,9 +270,17 @@ impl Contract {
     pub fn reference_k(&self, k: Option<u32>) -> Option<u32> {
         match self.keeps {
             Keeps::All | Keeps::FirstArrivals => None,
-            Keeps::Nearest => k.or(self.default_k),
+            Keeps::Nearest | Keeps::Layers => k.or(self.default_k),
             Keeps::One => Some(1),
         }
+    }
+
+    /// What is kept of a pixel's sorted keys with the given k, where neither room nor arrival has a say.
+    pub fn keep(&self, keys: &mut Vec<u64>, k: Option<u32>) {
+        if self.keeps == Keeps::Layers {
+            keys.dedup_by_key(|key| depth_of(*key));
+        }
+        keys.truncate(self.reference_k(k).map_or(usize::MAX, |k| k as usize));
     }
 
     /// The result does not depend on arrival or interleaving.

@@ -16,7 +16,7 @@ use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 const MAX_K: usize = 64;
 
 /// Insert into sorted entries; the key that no longer fits.
-fn insert(entries: &mut [u64], mut carried: u64) -> u64 {
+pub(super) fn insert(entries: &mut [u64], mut carried: u64) -> u64 {
     for entry in entries {
         if carried < *entry {
             std::mem::swap(&mut carried, entry);

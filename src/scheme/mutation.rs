@@ -134,6 +134,31 @@ pub const MUTATIONS: &[Mutation] = &[
         "the interlock is left before the entries are written",
         &["kb-ps@leaves-early"],
     ),
+    built_in(
+        "not-strict",
+        "peeling with <= for <: the last layer again and again",
+        &["depth-peel@not-strict"],
+    ),
+    built_in(
+        "near-plane",
+        "the first layer must lie strictly behind depth 0",
+        &["depth-peel@near-plane"],
+    ),
+    built_in(
+        "middle-twice",
+        "the layer where both ends of dual peeling meet is emitted twice",
+        &["depth-peel-dual@middle-twice"],
+    ),
+    built_in(
+        "cut",
+        "of identical fragments, those that a round has no room for are forgotten",
+        &["kplus-multi@cut"],
+    ),
+    built_in(
+        "unverified",
+        "a pass without synchronisation, and none that verifies it",
+        &["kb-multi@unverified"],
+    ),
 ];
 
 #[cfg(test)]

@@ -114,9 +114,9 @@ impl<'a> Passes<'a> {
             (_, Ended::Resolved(pixel, mut keys, more)) => {
                 let list = &mut lists[pixel as usize];
                 if list.is_empty() {
-                    *list = keys
+                    *list = keys;
                 } else {
-                    list.append(&mut keys)
+                    list.append(&mut keys);
                 }
                 *again |= more;
             }
