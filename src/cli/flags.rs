@@ -63,7 +63,7 @@ pub(super) struct Drawing {
     pub(super) cull_face: CullFace,
 
     /// Let the method's storage take at most so many bytes (K, M, G and T as below): the largest k that fits, from the
-    /// depth-complexity histogram; or the largest pool, where storage does not depend on k
+    /// depth-complexity histogram; or the largest pool, where storage does not depend on k [default: no budget]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
     pub(super) memory_budget: Option<String>,
 

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::num::random::Random;
 use crate::render::{Exec, Options, Policy, Report, Sim, render};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::contract::{Contract, Form, Keeps};
+use crate::scheme::contract::{Contract, Demand, Form, Keeps};
 use crate::scheme::contracts;
 
 /// What was seen of one method.
@@ -87,7 +87,7 @@ pub fn derive_one(contract: &'static Contract) -> Result<Stability> {
 
     let arrival = runs.orders_differ(&distinct, k, None)?;
     let arrival_at_ties = runs.orders_differ(&ties, k, None)?;
-    let limited = matches!(contract.keeps, Keeps::FirstArrivals | Keeps::All);
+    let limited = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest;
     // Where -k does not limit the room, half the bytes do.
     let (slots, budget) = match contract.keeps {
         Keeps::FirstArrivals => (Some(K), None),

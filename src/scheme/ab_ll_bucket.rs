@@ -5,7 +5,7 @@
 //! range uniformly, and puts every fragment into the list of its bucket: invocations of a pixel contend for four heads
 //! instead of one, and resolve sorts four short lists, front to back, instead of a long one.
 //!
-//! The papers split the range of the scene or the pixel in floating point. Here it is the pixel's, in integers: bucket
+//! The k+-buffer paper speaks of the scene's range. Here it is the pixel's, in integers: bucket
 //! `4 (depth - near) / (far - near + 1)`, in 64 bits, which is 3 for the far end and 0 where near is far.
 
 use std::marker::PhantomData;

@@ -5,8 +5,9 @@
 //! next, and whoever finds the page full takes a new one and links it to the old. The record itself is written after
 //! the lock is free again: its slot belongs to nobody else, and nobody reads it before the barrier.
 //!
-//! What differs from the published shader: the lock is released by an ordered store, since counter and page are read
-//! by its next holder; there, it is written plainly (kept as fault M1). A pixel that gets no page raises no counter.
+//! The lock is released by an ordered store, since counter and page are read by its next holder (the published shader
+//! spends an atomic exchange on that, says the k+-buffer paper; a plain store is fault M1). A pixel that gets no page
+//! raises no counter.
 
 use std::marker::PhantomData;
 

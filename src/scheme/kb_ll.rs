@@ -12,7 +12,7 @@
 //! releases; links are read by acquire loads. Depth and data can then be plain: whoever reaches a node through however
 //! many others does so behind everything that made it.
 //!
-//! The paper compares depths; here, data words decide among equal ones. Whether a fragment pushes another out, its
+//! Data words decide among equal depths. Whether a fragment pushes another out, its
 //! invocation cannot know: two that insert into a list of k - 1 nodes at the same time both saw room, and both find
 //! k + 1 afterwards. So none says so, and the accounting compares lists.
 
