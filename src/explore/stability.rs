@@ -77,7 +77,7 @@ pub fn derive() -> Result<Vec<Stability>> {
 /// Derive a method's row.
 ///
 /// # Errors
-/// See [`derive`].
+/// See [`derive()`].
 pub fn derive_one(contract: &'static Contract) -> Result<Stability> {
     let size = Overrides { size: Some([EDGE, EDGE]), ..Overrides::default() };
     let distinct = scene::load(&format!("synthetic:n={LAYERS},density=100"), &size)?;
