@@ -111,11 +111,16 @@ impl Litmus {
         contract: &Contract,
         invocations: impl Fn(usize) -> u32,
     ) -> [Vec<Stage>; 3] {
+        // Who does not know its rank is like any other of the same depth and data.
+        let fragments = || {
+            let rank = |f: Fragment| if contract.interlock { f.rank } else { 0 };
+            self.fragments().map(move |f| Fragment { rank: rank(f), ..f })
+        };
         let tasks = |number: usize, pass: &Pass| -> [Vec<Task>; 2] {
             let place = number as u8;
             let of_fragments = |task: &dyn Fn(Fragment) -> Task| {
-                let helpers = self.fragments().take(self.helpers as usize).map(task);
-                [self.fragments().map(task).collect(), helpers.collect()]
+                let helpers = fragments().take(self.helpers as usize).map(task);
+                [fragments().map(task).collect(), helpers.collect()]
             };
             match pass.kind {
                 Kind::Store => of_fragments(&Task::Store),
