@@ -103,7 +103,12 @@ fn a_watched_pixel_is_told_fragment_by_fragment() {
 fn a_scene_that_fails_is_cut_down_to_a_pixel() {
     let scene = scene("cubes", [64, 48]);
     let limits = Limits { states: 500_000, cancelled: &|| false };
-    for (method, most) in [("kb", 2), ("kplus-array@one-test", 3), ("kplus-array@published", 4)] {
+    for (method, most) in [
+        ("kb", 2),
+        ("kplus-array@one-test", 3),
+        ("kplus-array@published", 4),
+        ("kb-multi@unverified", 4),
+    ] {
         let exec = Exec::Sim(Sim { resident: 1_024, seed: 3, ..Sim::default() });
         let options = Options { exec, ..options(method, Some(2)) };
         let Ok(token) = minimise_scene(&scene, &options, &limits) else {

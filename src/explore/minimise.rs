@@ -107,7 +107,9 @@ fn cut(
     let Some(watched) = watched else { return Ok(None) };
     let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
     let device = Device { memory: MemoryModel::Sequential, warp: None };
-    let moves = watched.steps.iter().map(|&i| Move { invocation: i as u8, alternative: 0 });
+    let moves = watched
+        .staged()
+        .map(|(stage, i)| (Some(stage), Move { invocation: i as u8, alternative: 0 }));
     let shader = (subject.make)(&litmus.config(subject.contract));
     let (schedule, run) = follow(&*shader, subject, &litmus, device, moves);
     let property = [Property::Keeps, Property::Intact]
@@ -116,13 +118,14 @@ fn cut(
     Ok(property.map(|property| Failure { subject: *subject, device, property, litmus, schedule }))
 }
 
-/// Follow moves as far as they go, then run whoever is left.
+/// Follow moves as far as they go, then run whoever is left. A move may say to which stage it belongs: whoever is left
+/// in the stages before it then runs first.
 fn follow(
     shader: &dyn Shader,
     subject: &Subject,
     litmus: &Litmus,
     device: Device,
-    moves: impl Iterator<Item = Move>,
+    moves: impl Iterator<Item = (Option<usize>, Move)>,
 ) -> (Schedule, Run) {
     let cells = Cells::new(shader.layout(), litmus.pixels);
     let mut runner = Runner::new(shader, subject.contract, &cells, litmus, device);
@@ -136,21 +139,26 @@ fn follow(
         }
         moved
     };
-    for by in moves.take(MOST_STEPS) {
-        if runner.live() & (1 << by.invocation) != 0 {
+    let mut left = MOST_STEPS;
+    // A waiting invocation goes last: it may wait for one of the others.
+    let go_on = |runner: &mut Runner<'_>, take: &mut dyn FnMut(&mut Runner<'_>, Move) -> bool| {
+        let live = runner.live();
+        let order = (0..32).filter(|i| live & (1 << i) != 0);
+        let ready = order.clone().find(|&i| !runner.waits(i)).or_else(|| order.clone().next());
+        let by = |i| Move { invocation: i as u8, alternative: 0 };
+        ready.is_some_and(|i| take(runner, by(i)))
+    };
+    for (stage, by) in moves.take(MOST_STEPS) {
+        while stage.is_some_and(|stage| runner.stage() < stage) && left > 0 {
+            left = if go_on(&mut runner, &mut take) { left - 1 } else { 0 };
+        }
+        let now = stage.is_none_or(|stage| runner.stage() == stage);
+        if now && runner.live() & (1 << by.invocation) != 0 {
             take(&mut runner, by);
         }
     }
-    let mut left = MOST_STEPS;
     while runner.live() != 0 && left > 0 {
-        let live = runner.live();
-        // A waiting invocation goes last: it may wait for one of the others.
-        let order = (0..32).filter(|i| live & (1 << i) != 0);
-        let ready = order.clone().find(|&i| !runner.waits(i)).or_else(|| order.clone().next());
-        let Some(invocation) = ready else { break };
-        let by = Move { invocation: invocation as u8, alternative: 0 };
-        let moved = take(&mut runner, by);
-        left = if moved { left - 1 } else { 0 };
+        left = if go_on(&mut runner, &mut take) { left - 1 } else { 0 };
     }
     (schedule, runner.finish())
 }
@@ -166,8 +174,13 @@ impl Failure {
     /// Whether a candidate shows the violation; its schedule if it does.
     fn shows(&self, litmus: &Litmus, moves: &[Move]) -> Option<Schedule> {
         let shader = (self.subject.make)(&litmus.config(self.subject.contract));
-        let (schedule, run) =
-            follow(&*shader, &self.subject, litmus, self.device, moves.iter().copied());
+        let (schedule, run) = follow(
+            &*shader,
+            &self.subject,
+            litmus,
+            self.device,
+            moves.iter().map(|&by| (None, by)),
+        );
         run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
     }
 

@@ -79,6 +79,11 @@ impl<'a> Runner<'a> {
         self.machine.live(&self.nodes)
     }
 
+    /// The number of the present stage, over all rounds.
+    pub(super) fn stage(&self) -> usize {
+        self.machine.stage_number()
+    }
+
     /// In how many ways an invocation can move.
     pub(super) fn alternatives(&mut self, invocation: usize) -> usize {
         self.machine.load(&self.state);

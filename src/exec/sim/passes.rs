@@ -71,6 +71,10 @@ impl<'a> Passes<'a> {
             let mut again = false;
             // What overlaps with clear is not repeated with it: faults of that kind have one round.
             for queue in &queues[usize::from(round > 0)..] {
+                let of_program = queue.iter().any(|part| matches!(part, Part::Pass(..)));
+                if let Some(recording) = recording.as_deref_mut().filter(|_| of_program) {
+                    recording.begin();
+                }
                 let name =
                     self.queue(scheme, device, queue, recording.as_deref_mut(), &mut again)?;
                 watch.lap(name);

@@ -4,13 +4,23 @@ use super::pass::Watcher;
 use crate::fragment::Fragment;
 use crate::scheme::task::Task;
 
-/// What happened at a pixel in the store pass.
+/// What happened at a pixel in the geometry passes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Watched {
     /// Its fragments, in the order of their admission.
     pub fragments: Vec<Fragment>,
     /// Which of them performed an operation, one entry per operation.
     pub steps: Vec<u32>,
+    /// Where the steps of each stage begin: passes of the program between two barriers, over all rounds.
+    pub stages: Vec<usize>,
+}
+
+impl Watched {
+    /// The steps, each with the number of its stage.
+    pub fn staged(&self) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let stage = |i: usize| self.stages.partition_point(|&begin| begin <= i).saturating_sub(1);
+        self.steps.iter().enumerate().map(move |(i, &step)| (stage(i), step))
+    }
 }
 
 /// Watches one pixel.
@@ -19,12 +29,20 @@ pub struct Recording {
     pixel: u32,
     /// Which of the pixel's fragments is in each slot.
     inside: Vec<Option<u32>>,
+    /// Fragments of the pixel that were admitted in the present pass.
+    admitted: u32,
     watched: Watched,
 }
 
 impl Recording {
     pub(super) fn new(pixel: u32) -> Self {
-        Self { pixel, inside: Vec::new(), watched: Watched::default() }
+        Self { pixel, inside: Vec::new(), admitted: 0, watched: Watched::default() }
+    }
+
+    /// Another stage begins.
+    pub(super) fn begin(&mut self) {
+        self.admitted = 0;
+        self.watched.stages.push(self.watched.steps.len());
     }
 
     pub(super) fn finish(self) -> Watched {
@@ -38,8 +56,13 @@ impl Recording {
             self.inside.resize(slot as usize + 1, None);
         }
         let own = fragment.filter(|fragment| fragment.pixel == self.pixel);
-        self.inside[slot as usize] = own.map(|_| self.watched.fragments.len() as u32);
-        self.watched.fragments.extend(own);
+        self.inside[slot as usize] = own.map(|_| self.admitted);
+        let Some(own) = own else { return };
+        // Every geometry pass has the same fragments, in the same order.
+        if self.admitted as usize == self.watched.fragments.len() {
+            self.watched.fragments.push(*own);
+        }
+        self.admitted += 1;
     }
 
     fn step(&mut self, slot: u32) {
@@ -58,10 +81,12 @@ impl Watcher<Fragment> for Recording {
     }
 }
 
-/// Where passes overlap, stores are told from the rest.
+/// Of other passes, what works for a fragment is told from the rest.
 impl Watcher<Task> for Recording {
     fn takes(&mut self, slot: u32, work: &Task) {
-        let Task::Store(fragment) = work else { return self.note(slot, None) };
+        let (Task::Store(fragment) | Task::Prepare(_, fragment)) = work else {
+            return self.note(slot, None);
+        };
         self.note(slot, Some(fragment));
     }
 
