@@ -157,6 +157,26 @@ fn correct_k_methods_equal_exact_for_every_k() {
     }
 }
 
+/// One round for each layer, or for so many layers as a round takes; and one to see that nothing is left.
+#[test]
+fn rounds_are_as_many_as_layers_ask_for() {
+    let scene = scene("layers:count=6", [17, 9]);
+    let cases = [
+        ("depth-peel", Some(64), 7),
+        ("depth-peel@published", Some(64), 7),
+        ("depth-peel-dual", None, 4),
+        ("kplus-multi", Some(4), 2),
+        ("kplus-multi", Some(2), 4),
+        ("kplus-array", Some(2), 1),
+    ];
+    for (method, k, rounds) in cases {
+        for exec in executors() {
+            let report = draw(&scene, &with(method, k, exec.clone())).report;
+            assert_eq!(report.rounds, rounds, "{method} {k:?} {exec:?}");
+        }
+    }
+}
+
 #[test]
 fn a_memory_budget_is_never_exceeded() {
     // Whole tiles: what is allocated is then what the picture needs.

@@ -23,6 +23,8 @@ pub struct Frame {
     pub tally: Tally,
     /// What memory saw, if it was counted.
     pub counters: Counters,
+    /// Rounds of the method's program: the most that any tile went through, where tiles go on their own.
+    pub rounds: u32,
     /// Seconds of each pass, where passes follow each other.
     pub seconds: BTreeMap<String, f64>,
 }
@@ -38,6 +40,8 @@ pub struct TileOutput {
     pub colors: Vec<[u8; 4]>,
     /// This tile's part of the accounting.
     pub tally: Tally,
+    /// Rounds that the tile went through, if it did so on its own.
+    pub rounds: u32,
 }
 
 /// How many fragments were generated at, and reported gone from, each pixel of a tile.
@@ -163,7 +167,8 @@ impl Frame {
         if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
             tally.correct(&judge(job, &tiles));
         }
-        Self { tiles, tally, counters, seconds: BTreeMap::new() }
+        let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
+        Self { tiles, tally, counters, rounds, seconds: BTreeMap::new() }
     }
 
     /// The kept fragments and the picture, row by row. The tiles are used up.

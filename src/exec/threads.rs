@@ -53,7 +53,9 @@ pub fn run<O: Observer + Default>(
     watch.lap("clear");
 
     let mut lists = vec![Keys::new(); if program.repeats { grid.storage_pixels() } else { 0 }];
+    let mut rounds = 0;
     let stored = loop {
+        rounds += 1;
         let mut stored = None;
         for (number, pass) in program.passes.iter().enumerate() {
             match pass.kind {
@@ -109,7 +111,7 @@ pub fn run<O: Observer + Default>(
     watch.lap("resolve");
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
-    Frame { seconds: watch.seconds(), ..frame }
+    Frame { rounds, seconds: watch.seconds(), ..frame }
 }
 
 /// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if that matters.

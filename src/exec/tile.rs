@@ -60,6 +60,7 @@ struct Tile<O> {
     next: Option<Cell<u32>>,
     counts: PixelCounts,
     reports: Tally,
+    rounds: u32,
     /// The pixels' fragments of all rounds so far, where there are several.
     lists: Vec<Keys>,
     observer: O,
@@ -77,6 +78,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
                     self.begin(tile, index);
                     let passes = self.job.contract.program.passes;
                     loop {
+                        tile.rounds += 1;
                         for (number, pass) in passes.iter().enumerate() {
                             self.pass(tile, number, pass);
                         }
@@ -102,6 +104,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
         let mut tiles: Vec<Tile<O>> = (0..count).into_par_iter().map(begun).collect();
         let mut counters = Counters::default();
         loop {
+            tiles.iter_mut().for_each(|tile| tile.rounds += 1);
             for (number, pass) in program.passes.iter().enumerate() {
                 if pass.kind == Kind::Frame {
                     counters.merge(&self.frame(number));
@@ -130,6 +133,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
             next: None,
             counts: PixelCounts::default(),
             reports: Tally::default(),
+            rounds: 0,
             lists: Vec::new(),
             observer: O::default(),
             batch: Batch::default(),
@@ -149,6 +153,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
     fn begin(&self, tile: &mut Tile<O>, index: usize) {
         let pixels = self.job.front.grid.pixels_per_tile();
         tile.index = index;
+        tile.rounds = 0;
         tile.observer = O::default();
         tile.next = self.job.before_tile.get(index).map(|&before| Cell::new(before as u32));
         if self.job.contract.program.repeats {
@@ -234,6 +239,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
     fn finish(&self, tile: &mut Tile<O>) -> (TileOutput, Counters) {
         let finisher = Finisher::new(self.job, tile.index);
         let (counts, reports) = (&tile.counts, &tile.reports);
+        let rounds = tile.rounds;
         let output = if self.job.contract.program.repeats {
             collected_tile(&mut tile.lists, counts, finisher, reports)
         } else {
@@ -248,6 +254,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
                 reports,
             )
         };
-        (output, tile.observer.counters().cloned().unwrap_or_default())
+        let counters = tile.observer.counters().cloned().unwrap_or_default();
+        (TileOutput { rounds, ..output }, counters)
     }
 }

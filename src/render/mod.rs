@@ -265,6 +265,7 @@ fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Exec
         max_depth_complexity: tally.max_depth_complexity,
         bytes: executed.bytes,
         passes: contract.program.geometry(),
+        rounds: executed.frame.rounds,
         counters: executed.frame.counters.by_name(),
         warnings: scene.warnings.clone(),
         violations: violations(contract, tally),

@@ -52,8 +52,10 @@ pub struct Report {
     /// What a memory budget led to, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
-    /// Geometry passes.
+    /// Geometry passes of a round.
     pub passes: u32,
+    /// Rounds: how often passes and resolve were repeated. A schedule may change it, where rounds mend what races lost.
+    pub rounds: u32,
     /// SHA-256 of the picture.
     pub image_hash: String,
     /// SHA-256 of the resolved lists.

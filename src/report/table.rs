@@ -102,7 +102,7 @@ fn facts(report: &Report) -> String {
         ["depth complexity".to_owned(), depth],
         ["kept of generated".to_owned(), kept],
         ["memory".to_owned(), memory],
-        ["geometry passes".to_owned(), report.passes.to_string()],
+        ["geometry passes".to_owned(), passes(report)],
     ];
     rows.extend(report.budget.as_ref().map(budget));
     for (name, hash) in
@@ -114,6 +114,14 @@ fn facts(report: &Report) -> String {
     }
     let rows: Vec<Vec<String>> = rows.into_iter().map(Vec::from).collect();
     columns(&[Align::Left, Align::Left], &rows)
+}
+
+/// Of all rounds, and of each.
+fn passes(report: &Report) -> String {
+    match report.rounds {
+        0 | 1 => report.passes.to_string(),
+        rounds => format!("{} ({rounds} rounds of {})", rounds * report.passes, report.passes),
+    }
 }
 
 fn budget(budget: &Budget) -> [String; 2] {

@@ -61,7 +61,7 @@ pub fn run<S: Scheme, O: Observer + Default>(
     passes.run(scheme, &mut device, recording.as_mut(), &mut watch)?;
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
-    let Passes { generated, gone, reports, mut lists, .. } = passes;
+    let Passes { generated, gone, reports, mut lists, rounds, .. } = passes;
     let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
         let mut finisher = Finisher::new(job, tile);
         for (i, keys) in lists.iter_mut().enumerate() {
@@ -75,7 +75,7 @@ pub fn run<S: Scheme, O: Observer + Default>(
     let counters = mem.observer().counters().cloned().unwrap_or_default();
     let frame = Frame::new(job, tiles, &reports, counters);
     Ok(Simulated {
-        frame: Frame { seconds: watch.seconds(), ..frame },
+        frame: Frame { rounds, seconds: watch.seconds(), ..frame },
         schedule,
         watched: recording.map(Recording::finish),
     })

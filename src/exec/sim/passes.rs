@@ -21,6 +21,8 @@ pub(super) struct Passes<'a> {
     pub(super) reports: Tally,
     /// The fragments of all rounds.
     pub(super) lists: Vec<Keys>,
+    /// How many there were.
+    pub(super) rounds: u32,
 }
 
 /// Work of some passes.
@@ -43,6 +45,7 @@ impl<'a> Passes<'a> {
             gone: vec![0; pixels],
             reports: Tally::default(),
             lists: vec![Keys::new(); pixels],
+            rounds: 0,
         }
     }
 
@@ -66,11 +69,10 @@ impl<'a> Passes<'a> {
                 _ => queues.push(vec![part]),
             }
         }
-        let mut round = 0;
         loop {
             let mut again = false;
             // What overlaps with clear is not repeated with it: faults of that kind have one round.
-            for queue in &queues[usize::from(round > 0)..] {
+            for queue in &queues[usize::from(self.rounds > 0)..] {
                 let of_program = queue.iter().any(|part| matches!(part, Part::Pass(..)));
                 if let Some(recording) = recording.as_deref_mut().filter(|_| of_program) {
                     recording.begin();
@@ -79,10 +81,10 @@ impl<'a> Passes<'a> {
                     self.queue(scheme, device, queue, recording.as_deref_mut(), &mut again)?;
                 watch.lap(name);
             }
+            self.rounds += 1;
             if !again {
                 return Ok(());
             }
-            round += 1;
         }
     }
 
@@ -95,7 +97,7 @@ impl<'a> Passes<'a> {
         recording: Option<&mut Recording>,
         again: &mut bool,
     ) -> Result<&'static str> {
-        let Self { job, generated, gone, reports, lists } = self;
+        let Self { job, generated, gone, reports, lists, .. } = self;
         let stores = |part: &Part<'_>| matches!(part, Part::Pass(_, p) if p.kind == Kind::Store);
         if parts.iter().any(stores) {
             gone.fill(0);
