@@ -422,6 +422,15 @@ fn what_does_not_fit_is_refused_before_it_is_drawn() {
     let refused =
         with_limit("kplus-array", Some(8), 600_000).map_err(needs).expect_err("too little");
     assert!(refused.contains("for storage on 'tile'"), "{refused}");
+    // Pixels that wait for each other are all in memory at once: nine tiles, not one for each of two threads.
+    let nine_tiles = support::scene("layers:count=4", [192, 192]);
+    let on_nine = |method: &str| {
+        let options = Options { max_memory: 2_600_000, ..options(method, Some(8)) };
+        render(&nine_tiles, &options).map(|_| ()).map_err(needs)
+    };
+    assert_eq!(on_nine("kplus-array"), Ok(()));
+    let refused = on_nine("kplus-sb").expect_err("too little");
+    assert!(refused.contains("for storage on 'tile'"), "{refused}");
 }
 
 /// Negative controls: each of the battery's judgements can say no. (`tests/mutations.rs` has the lists'.)

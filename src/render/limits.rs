@@ -15,8 +15,9 @@ const KEPT_BYTES: u64 = 16;
 pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Result<()> {
     let grid = &job.front.grid;
     let pixels = match options.exec {
-        Exec::Tile => job.threads * grid.pixels_per_tile(),
-        Exec::Threads | Exec::Sim(_) => grid.storage_pixels(),
+        Exec::Tile if job.contract.program.is_local() => job.threads * grid.pixels_per_tile(),
+        // Where pixels wait for each other, every tile keeps its memory from pass to pass.
+        _ => grid.storage_pixels(),
     };
     let own = HOST_BYTES * grid.storage_pixels() as u64;
     let bytes = layout.bytes(pixels as u64).saturating_add(own);
