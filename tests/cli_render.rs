@@ -205,6 +205,19 @@ fn correct_methods_agree_with_the_reference() {
     assert_eq!(dir.names(), ["compare-exact.png", "compare-kplus-array.png"]);
 }
 
+/// A budget chooses a k for every method, and each is held to its own.
+#[test]
+fn methods_within_a_budget_are_held_to_the_k_it_chose() {
+    let dir = Dir::new();
+    let line = "compare layers:count=6 --size 64x64 -m kplus-array,kplus-sb --memory-budget 100K";
+    let ran = dir.run(&format!("{line} --json"));
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    let rows: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let kept: Vec<u64> =
+        rows.as_array().unwrap().iter().map(|row| row["kept"].as_u64().unwrap()).collect();
+    assert_eq!(kept, [2 * 64 * 64, 64 * 64], "k = 2 and k = 1");
+}
+
 #[test]
 fn a_method_that_loses_fragments_is_found() {
     let dir = Dir::new();

@@ -119,7 +119,7 @@ impl Session {
     fn compare(&mut self, method: &Contract, folder: Option<&Path>) -> Result<Row> {
         let options = Options { method: method.name.to_owned(), ..self.options.clone() };
         let drawn = self.draw(&options)?;
-        let k = self.held_to(method);
+        let k = self.held_to(method, drawn.report.k);
         self.prepare(None)?;
         self.prepare(k)?;
         let (all, same) = (&self.references[&None], &self.references[&k]);
@@ -139,15 +139,16 @@ impl Session {
         Ok(row)
     }
 
-    /// The reference's k for a method; the reference itself is held to what was typed.
-    fn held_to(&self, method: &Contract) -> Option<u32> {
-        let k = self.options.k;
-        if method.name == self.options.method { k } else { method.reference_k(k) }
+    /// The reference's k for a method that ran with `k`, which a memory budget may have chosen; the reference itself is
+    /// held to what was typed.
+    fn held_to(&self, method: &Contract, k: Option<u32>) -> Option<u32> {
+        if method.name == self.options.method { self.options.k } else { method.reference_k(k) }
     }
 
-    /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it.
+    /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it. A budget is for
+    /// the methods.
     fn prepare(&mut self, k: Option<u32>) -> Result<()> {
-        let options = Options { k, exec: Exec::Tile, ..self.options.clone() };
+        let options = Options { k, exec: Exec::Tile, memory_budget: None, ..self.options.clone() };
         if self.references.contains_key(&k) {
             return Ok(());
         }

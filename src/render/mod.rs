@@ -158,9 +158,9 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     if !sim.record && !matches!(sim.policy, Policy::Recorded(_)) {
         return 0;
     }
-    let Options { method, k, depth_format, data, .. } = options;
+    let Options { method, k, memory_budget, depth_format, data, .. } = options;
     let size = (front.grid.width, front.grid.height);
-    let head = format!("{size:?} {method} {k:?} {depth_format:?} {data:?}");
+    let head = format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?}");
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }

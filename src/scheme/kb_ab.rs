@@ -21,10 +21,10 @@ pub trait Base: Scheme {
     const SELECTED: Contract;
 }
 
-/// What resolve keeps.
-pub trait Choice: Sync {
-    /// Whether it is the fault.
-    const FAULT: bool;
+/// What resolve keeps of an A-buffer.
+pub trait Choice<A>: Sync {
+    /// The contract that comes of it.
+    const CONTRACT: Contract;
     /// Keep k of a pixel's keys.
     fn cut(keys: &mut Keys, k: usize);
 }
@@ -37,16 +37,20 @@ pub enum Nearest {}
 #[derive(Debug)]
 pub enum First {}
 
-impl Choice for Nearest {
-    const FAULT: bool = false;
+impl<A: Base> Choice<A> for Nearest {
+    const CONTRACT: Contract = A::SELECTED;
 
     fn cut(keys: &mut Keys, k: usize) {
         select::nearest(keys, k);
     }
 }
 
-impl Choice for First {
-    const FAULT: bool = true;
+impl Choice<AbLinkedList> for First {
+    const CONTRACT: Contract = AbLinkedList::<ab_ll::Correct>::SELECTED.fault(
+        "kb-ab-ll@M7",
+        "Fault M7: resolve takes the first k of the list instead of the nearest k",
+        "f(p) <= k",
+    );
 
     fn cut(keys: &mut Keys, k: usize) {
         keys.truncate(k);
@@ -118,16 +122,8 @@ impl Base for SBuffer<s_buffer::Correct> {
     );
 }
 
-impl<A: Base, C: Choice> Scheme for KbAb<A, C> {
-    const CONTRACT: Contract = if C::FAULT {
-        A::SELECTED.fault(
-            "kb-ab-ll@M7",
-            "Fault M7: resolve takes the first k of the list instead of the nearest k",
-            "f(p) <= k",
-        )
-    } else {
-        A::SELECTED
-    };
+impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
+    const CONTRACT: Contract = C::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let all = Config { k: None, bounded: config.generated, ..*config };
