@@ -7,16 +7,11 @@
 
 use std::marker::PhantomData;
 
-use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
+use crate::fragment::Fragment;
+use crate::memory::{Layout, Memory, Order, Snapshot};
 use crate::scheme::contract::{Demand, Form, Keeps, Program};
+use crate::scheme::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
-
-/// The end of a list.
-const NONE: u32 = u32::MAX;
-
-/// Words of a node: next, depth, data.
-const NODE: u64 = 3;
 
 /// The correct form, or a fault in it.
 pub trait Variant: Sync {
@@ -24,7 +19,7 @@ pub trait Variant: Sync {
     const CONTRACT: Contract;
     /// Whether the head is replaced by one atomic operation.
     const ATOMIC_HEAD: bool = true;
-    /// Whether depth and data are written before the node is published.
+    /// Whether the fragment is written before its node is published.
     const WRITTEN_FIRST: bool = true;
     /// Whether the first node beyond the pool is refused.
     const BOUNDED: bool = true;
@@ -50,10 +45,7 @@ pub enum PlainHead {}
 /// The method.
 #[derive(Debug)]
 pub struct AbLinkedList<V = Correct> {
-    head: Words<Pixel, Atomic, u32>,
-    pool: Pool,
-    nodes: Words<Global, Plain, u32>,
-    capacity: u64,
+    lists: Lists,
     variant: PhantomData<V>,
 }
 
@@ -126,75 +118,53 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
-        let capacity = config.generated.min(u64::from(NONE));
-        Self {
-            head: layout.pixel(1),
-            pool: layout.pool(),
-            nodes: layout.global(NODE * capacity),
-            capacity,
-            variant: PhantomData,
-        }
+        Self { lists: Lists::new(1, config, layout), variant: PhantomData }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
+        self.lists.clear_frame(mem).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        mem.store(self.head.at(pixel, 0), NONE, Order::Relaxed).await;
+        self.lists.clear(mem, pixel, 0).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (node, head) = (mem.take(self.pool).await, self.head.at(fragment.pixel, 0));
-        let last = if V::BOUNDED { self.capacity } else { self.capacity + 1 };
+        let (lists, pixel) = (self.lists, fragment.pixel);
+        let last = if V::BOUNDED { lists.capacity() } else { lists.capacity() + 1 };
+        let node = lists.take(mem).await;
         if u64::from(node) >= last {
             return Outcome::Pool;
         }
-        let word = NODE * u64::from(node);
         if V::WRITTEN_FIRST {
-            mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
-            mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
+            lists.fill(mem, node, fragment).await;
         }
         let next = if V::ATOMIC_HEAD {
-            mem.exchange(head, node, Order::Relaxed).await
+            lists.publish(mem, pixel, 0, node, Order::Relaxed).await
         } else {
-            let next = mem.load(head, Order::Relaxed).await;
-            mem.store(head, node, Order::Relaxed).await;
+            let next = mem.load(lists.head(pixel, 0), Order::Relaxed).await;
+            mem.store(lists.head(pixel, 0), node, Order::Relaxed).await;
             next
         };
-        mem.plain_store(self.nodes.at(word), next).await;
+        mem.plain_store(lists.link(node), next).await;
         if !V::WRITTEN_FIRST {
-            mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
-            mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
+            lists.fill(mem, node, fragment).await;
         }
         Outcome::Kept
     }
 
     /// In the end, the list ends: within the pool, and without a cycle.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
-        let head = words.get(self.head.at(pixel, 0));
-        let (Moment::Quiet, Some(mut node)) = (moment, head) else { return Ok(()) };
-        for _ in 0..=self.capacity {
-            if node == NONE {
-                return Ok(());
+        if moment == Moment::Quiet {
+            for node in self.lists.nodes(words, pixel, 0) {
+                node.map_err(|flaw| flaw.to_string())?;
             }
-            if u64::from(node) >= self.capacity {
-                return Err(format!("the list leads to node {node}, of {}", self.capacity));
-            }
-            let next = words.get(self.nodes.at(NODE * u64::from(node)));
-            node = next.ok_or_else(|| format!("nobody wrote where node {node} leads to"))?;
         }
-        Err(format!("the list does not end within the pool's {} nodes", self.capacity))
+        Ok(())
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let mut node = mem.load(self.head.at(pixel, 0), Order::Relaxed).await;
-        while node != NONE {
-            let word = NODE * u64::from(node);
-            node = mem.plain_load(self.nodes.at(word)).await;
-            let depth = mem.plain_load(self.nodes.at(word + 1)).await;
-            keys.push(key(depth, mem.plain_load(self.nodes.at(word + 2)).await));
-        }
+        self.lists.collect(mem, pixel, 0, keys).await;
     }
 }
 
@@ -202,14 +172,15 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
 mod tests {
     use super::*;
     use crate::scheme::hand_made::HandMade;
+    use crate::scheme::list::{NONE, Node};
 
     /// A pool of 3 nodes: the head, and where each node leads to.
     fn list(head: u32, next: &[u32]) -> HandMade<AbLinkedList> {
         let mut list = HandMade::<AbLinkedList>::new(None, 3);
-        let (at, nodes) = (list.scheme.head.at(0, 0), list.scheme.nodes);
-        list.set(at, head);
-        for (node, &next) in (0..).zip(next) {
-            list.set(nodes.at(NODE * node), next);
+        let lists = list.scheme.lists;
+        list.set(lists.head(0, 0), head);
+        for (number, &next) in (0..).zip(next) {
+            lists.set(&mut list, Node { number, next, key: 7 });
         }
         list
     }
@@ -227,7 +198,7 @@ mod tests {
         let cases = [
             (list(0, &[1, 0]), "does not end"),
             (list(3, &[NONE, NONE, NONE]), "node 3, of 3"),
-            (list(1, &[NONE]), "nobody wrote where node 1"),
+            (list(1, &[NONE]), "node 1 is in the list, and nobody wrote it"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

@@ -10,17 +10,12 @@
 
 use std::marker::PhantomData;
 
-use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
+use crate::fragment::{Fragment, depth_of};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
 use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Barrier, Demand, Kind, Pass, Program};
+use crate::scheme::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
-
-/// The end of a list.
-const NONE: u32 = u32::MAX;
-
-/// Words of a node: next, depth, data.
-const NODE: u64 = 3;
 
 /// Lists of a pixel.
 const BUCKETS: u32 = 4;
@@ -59,10 +54,7 @@ pub enum OpenEnd {}
 pub struct AbBucketList<V = Correct> {
     near: Words<Pixel, Atomic, u32>,
     far: Words<Pixel, Atomic, u32>,
-    heads: Words<Pixel, Atomic, u32>,
-    pool: Pool,
-    nodes: Words<Global, Plain, u32>,
-    capacity: u64,
+    lists: Lists,
     variant: PhantomData<V>,
 }
 
@@ -125,56 +117,29 @@ impl<V: Variant> AbBucketList<V> {
         let length = if V::CLOSED { length + 1 } else { length.max(1) };
         (u64::from(BUCKETS) * u64::from(depth.wrapping_sub(near)) / length) as u32
     }
-
-    /// A list's nodes, in its order.
-    fn list(&self, words: &Snapshot<'_>, mut node: u32) -> Result<Vec<u32>, String> {
-        let mut depths = Vec::new();
-        while node != NONE {
-            if u64::from(node) >= self.capacity {
-                return Err(format!("a list leads to node {node}, of {}", self.capacity));
-            }
-            if depths.len() as u64 == self.capacity {
-                return Err(format!(
-                    "a list does not end within the pool's {} nodes",
-                    depths.len()
-                ));
-            }
-            let word = |i| words.get(self.nodes.at(NODE * u64::from(node) + i));
-            let (Some(next), Some(depth)) = (word(0), word(1)) else {
-                return Err(format!("nobody wrote node {node}"));
-            };
-            depths.push(depth);
-            node = next;
-        }
-        Ok(depths)
-    }
 }
 
 impl<V: Variant> Scheme for AbBucketList<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
-        let capacity = config.generated.min(u64::from(NONE));
         Self {
             near: layout.pixel(1),
             far: layout.pixel(1),
-            heads: layout.pixel(u64::from(BUCKETS)),
-            pool: layout.pool(),
-            nodes: layout.global(NODE * capacity),
-            capacity,
+            lists: Lists::new(BUCKETS, config, layout),
             variant: PhantomData,
         }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
+        self.lists.clear_frame(mem).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
         mem.store(self.near.at(pixel, 0), EMPTY, Order::Relaxed).await;
         mem.store(self.far.at(pixel, 0), 0, Order::Relaxed).await;
         for bucket in 0..BUCKETS {
-            mem.store(self.heads.at(pixel, bucket), NONE, Order::Relaxed).await;
+            self.lists.clear(mem, pixel, bucket).await;
         }
     }
 
@@ -185,19 +150,17 @@ impl<V: Variant> Scheme for AbBucketList<V> {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let pixel = fragment.pixel;
-        let node = mem.take(self.pool).await;
-        if u64::from(node) >= self.capacity {
+        let (lists, pixel) = (self.lists, fragment.pixel);
+        let node = lists.take(mem).await;
+        if u64::from(node) >= lists.capacity() {
             return Outcome::Pool;
         }
         let near = mem.load(self.near.at(pixel, 0), Order::Relaxed).await;
         let far = mem.load(self.far.at(pixel, 0), Order::Relaxed).await;
-        let head = self.heads.at(pixel, Self::bucket(fragment.depth, near, far));
-        let word = NODE * u64::from(node);
-        mem.plain_store(self.nodes.at(word + 1), fragment.depth).await;
-        mem.plain_store(self.nodes.at(word + 2), fragment.data).await;
-        let next = mem.exchange(head, node, Order::Relaxed).await;
-        mem.plain_store(self.nodes.at(word), next).await;
+        let bucket = Self::bucket(fragment.depth, near, far);
+        lists.fill(mem, node, fragment).await;
+        let next = lists.publish(mem, pixel, bucket, node, Order::Relaxed).await;
+        mem.plain_store(lists.link(node), next).await;
         Outcome::Kept
     }
 
@@ -206,8 +169,8 @@ impl<V: Variant> Scheme for AbBucketList<V> {
         let range = [self.near, self.far].map(|word| words.get(word.at(pixel, 0)));
         let (Moment::Quiet, [Some(near), Some(far)]) = (moment, range) else { return Ok(()) };
         for bucket in 0..BUCKETS {
-            let head = words.get(self.heads.at(pixel, bucket)).unwrap_or(NONE);
-            for depth in self.list(words, head)? {
+            for node in self.lists.nodes(words, pixel, bucket) {
+                let depth = depth_of(node.map_err(|flaw| flaw.to_string())?.key);
                 let own = Self::bucket(depth, near, far);
                 if own != bucket {
                     return Err(format!("depth {depth:x} is in bucket {bucket} instead of {own}"));
@@ -219,13 +182,7 @@ impl<V: Variant> Scheme for AbBucketList<V> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         for bucket in 0..BUCKETS {
-            let mut node = mem.load(self.heads.at(pixel, bucket), Order::Relaxed).await;
-            while node != NONE {
-                let word = NODE * u64::from(node);
-                node = mem.plain_load(self.nodes.at(word)).await;
-                let depth = mem.plain_load(self.nodes.at(word + 1)).await;
-                keys.push(key(depth, mem.plain_load(self.nodes.at(word + 2)).await));
-            }
+            self.lists.collect(mem, pixel, bucket, keys).await;
         }
     }
 }
@@ -233,8 +190,10 @@ impl<V: Variant> Scheme for AbBucketList<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fragment::key;
     use crate::num::depth::FARTHEST;
     use crate::scheme::hand_made::HandMade;
+    use crate::scheme::list::{NONE, Node};
 
     #[test]
     fn buckets_are_uniform_and_hold_both_ends() {
@@ -252,15 +211,14 @@ mod tests {
     fn lists(heads: [u32; 4], nodes: &[(u32, u32)]) -> HandMade<AbBucketList> {
         let mut lists = HandMade::<AbBucketList>::new(None, 3);
         let (near, far) = (lists.scheme.near.at(0, 0), lists.scheme.far.at(0, 0));
-        let (words, all) = (lists.scheme.heads, lists.scheme.nodes);
+        let all = lists.scheme.lists;
         lists.set(near, 0);
         lists.set(far, 7);
         for (bucket, head) in (0..).zip(heads) {
-            lists.set(words.at(0, bucket), head);
+            lists.set(all.head(0, bucket), head);
         }
-        for (node, &(next, depth)) in (0..).zip(nodes) {
-            lists.set(all.at(NODE * node), next);
-            lists.set(all.at(NODE * node + 1), depth);
+        for (number, &(next, depth)) in (0..).zip(nodes) {
+            all.set(&mut lists, Node { number, next, key: key(depth, 0) });
         }
         lists
     }
@@ -278,7 +236,10 @@ mod tests {
             (lists([NONE, 0, NONE, NONE], &[(NONE, 7)]), "depth 7 is in bucket 1 instead of 3"),
             (lists([0, NONE, NONE, NONE], &[(0, 1)]), "does not end"),
             (lists([3, NONE, NONE, NONE], &[]), "node 3, of 3"),
-            (lists([1, NONE, NONE, NONE], &[(NONE, 1)]), "nobody wrote node 1"),
+            (
+                lists([1, NONE, NONE, NONE], &[(NONE, 1)]),
+                "node 1 is in the list, and nobody wrote it",
+            ),
         ];
         for (lists, words) in cases {
             let message = lists.check(Moment::Quiet).unwrap_err();

@@ -10,16 +10,11 @@
 
 use std::marker::PhantomData;
 
-use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
+use crate::fragment::Fragment;
+use crate::memory::{Global, Layout, Memory, Order, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
+use crate::scheme::list::{Lists, NONE};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
-
-/// No node.
-const NONE: u32 = u32::MAX;
-
-/// Words of a node: next, previous, depth, data.
-const NODE: u64 = 4;
 
 /// The correct form, or a fault in it.
 pub trait Variant: Sync {
@@ -46,10 +41,8 @@ pub enum RelaxedPublication {}
 /// The method.
 #[derive(Debug)]
 pub struct AbDoubleList<V = Correct> {
-    head: Words<Pixel, Atomic, u32>,
-    pool: Pool,
-    nodes: Words<Global, Plain, u32>,
-    capacity: u64,
+    lists: Lists,
+    previous: Words<Global, Plain, u32>,
     variant: PhantomData<V>,
 }
 
@@ -95,43 +88,36 @@ impl<V: Variant> Scheme for AbDoubleList<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
-        let capacity = config.generated.min(u64::from(NONE));
-        Self {
-            head: layout.pixel(1),
-            pool: layout.pool(),
-            nodes: layout.global(NODE * capacity),
-            capacity,
-            variant: PhantomData,
-        }
+        let lists = Lists::new(1, config, layout);
+        Self { lists, previous: layout.global(lists.capacity()), variant: PhantomData }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
+        self.lists.clear_frame(mem).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        mem.store(self.head.at(pixel, 0), NONE, Order::Relaxed).await;
+        self.lists.clear(mem, pixel, 0).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let node = mem.take(self.pool).await;
-        if u64::from(node) >= self.capacity {
+        let lists = self.lists;
+        let node = lists.take(mem).await;
+        if u64::from(node) >= lists.capacity() {
             return Outcome::Pool;
         }
-        let word = NODE * u64::from(node);
-        mem.plain_store(self.nodes.at(word + 2), fragment.depth).await;
-        mem.plain_store(self.nodes.at(word + 3), fragment.data).await;
+        lists.fill(mem, node, fragment).await;
         if V::WRITTEN_FIRST {
-            mem.plain_store(self.nodes.at(word + 1), NONE).await;
+            mem.plain_store(self.previous.at(node.into()), NONE).await;
         }
-        let next = mem.exchange(self.head.at(fragment.pixel, 0), node, V::PUBLISH).await;
-        mem.plain_store(self.nodes.at(word), next).await;
+        let next = lists.publish(mem, fragment.pixel, 0, node, V::PUBLISH).await;
+        mem.plain_store(lists.link(node), next).await;
         if !V::WRITTEN_FIRST {
-            mem.plain_store(self.nodes.at(word + 1), NONE).await;
+            mem.plain_store(self.previous.at(node.into()), NONE).await;
         }
         let behind = mem.block();
         if next != NONE {
-            mem.plain_store(self.nodes.at(NODE * u64::from(next) + 1), node).await;
+            mem.plain_store(self.previous.at(next.into()), node).await;
         }
         mem.merge(behind).await;
         Outcome::Kept
@@ -140,37 +126,33 @@ impl<V: Variant> Scheme for AbDoubleList<V> {
     /// In the end, both directions agree. No list for which that holds has a cycle, since its first node has no
     /// previous one and every other has one only.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
-        let head = words.get(self.head.at(pixel, 0));
-        let (Moment::Quiet, Some(mut node)) = (moment, head) else { return Ok(()) };
+        if moment == Moment::Always {
+            return Ok(());
+        }
         let mut before = NONE;
-        while node != NONE {
-            if u64::from(node) >= self.capacity {
-                return Err(format!("the list leads to node {node}, of {}", self.capacity));
-            }
-            let word = |i| words.get(self.nodes.at(NODE * u64::from(node) + i));
-            let (Some(next), Some(previous)) = (word(0), word(1)) else {
-                return Err(format!("nobody wrote where node {node} leads to"));
-            };
+        for node in self.lists.nodes(words, pixel, 0) {
+            let number = node.map_err(|flaw| flaw.to_string())?.number;
+            let previous = words.get(self.previous.at(number.into()));
+            let previous =
+                previous.ok_or_else(|| format!("nobody wrote node {number}'s previous"))?;
             if previous != before {
-                return Err(format!("node {node} leads back to {previous} instead of {before}"));
+                return Err(format!("node {number} leads back to {previous} instead of {before}"));
             }
-            (before, node) = (node, next);
+            before = number;
         }
         Ok(())
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let mut node = mem.load(self.head.at(pixel, 0), Order::Relaxed).await;
+        let mut node = mem.load(self.lists.head(pixel, 0), Order::Relaxed).await;
         let mut last = NONE;
         while node != NONE {
             last = node;
-            node = mem.plain_load(self.nodes.at(NODE * u64::from(node))).await;
+            node = mem.plain_load(self.lists.link(node)).await;
         }
         while last != NONE {
-            let word = NODE * u64::from(last);
-            last = mem.plain_load(self.nodes.at(word + 1)).await;
-            let depth = mem.plain_load(self.nodes.at(word + 2)).await;
-            keys.push(key(depth, mem.plain_load(self.nodes.at(word + 3)).await));
+            keys.push(self.lists.key(mem, last).await);
+            last = mem.plain_load(self.previous.at(last.into())).await;
         }
     }
 }
@@ -179,15 +161,16 @@ impl<V: Variant> Scheme for AbDoubleList<V> {
 mod tests {
     use super::*;
     use crate::scheme::hand_made::HandMade;
+    use crate::scheme::list::Node;
 
     /// A pool of 3 nodes: the head, and next and previous of each node.
     fn list(head: u32, links: &[(u32, u32)]) -> HandMade<AbDoubleList> {
         let mut list = HandMade::<AbDoubleList>::new(None, 3);
-        let (at, nodes) = (list.scheme.head.at(0, 0), list.scheme.nodes);
-        list.set(at, head);
-        for (node, &(next, previous)) in (0..).zip(links) {
-            list.set(nodes.at(NODE * node), next);
-            list.set(nodes.at(NODE * node + 1), previous);
+        let (lists, back) = (list.scheme.lists, list.scheme.previous);
+        list.set(lists.head(0, 0), head);
+        for (number, &(next, previous)) in (0..).zip(links) {
+            lists.set(&mut list, Node { number, next, key: 7 });
+            list.set(back.at(number.into()), previous);
         }
         list
     }
@@ -207,7 +190,7 @@ mod tests {
             (list(1, &[(NONE, NONE), (0, NONE)]), "node 0 leads back to 4294967295 instead of 1"),
             (list(0, &[(1, NONE), (0, 0)]), "node 0 leads back to 4294967295 instead of 1"),
             (list(3, &[]), "node 3, of 3"),
-            (list(1, &[(NONE, NONE)]), "nobody wrote where node 1"),
+            (list(1, &[(NONE, NONE)]), "node 1 is in the list, and nobody wrote it"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

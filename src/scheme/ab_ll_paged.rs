@@ -14,11 +14,9 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
+use crate::scheme::list::NONE;
 use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
-
-/// The end of a list.
-const NONE: u32 = u32::MAX;
 
 /// Fragments of a page.
 const PAGE: u32 = 4;

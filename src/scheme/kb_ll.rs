@@ -19,12 +19,10 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words};
+use crate::memory::{Atomic, Layout, Memory, Order, Snapshot};
 use crate::scheme::contract::Demand;
+use crate::scheme::list::{Flaw, Lists, NONE};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
-
-/// No node: the end of a list, and what comes before its first.
-const NONE: u32 = u32::MAX;
 
 /// The correct form, or a fault in it.
 pub trait Variant: Sync {
@@ -52,10 +50,7 @@ pub enum RelaxedPublication {}
 #[derive(Debug)]
 pub struct KNearestList<V = Correct> {
     k: u32,
-    head: Words<Pixel, Atomic, u32>,
-    pool: Pool,
-    next: Words<Global, Atomic, u32>,
-    key: Words<Global, Plain, u64>,
+    lists: Lists<Atomic>,
     variant: PhantomData<V>,
 }
 
@@ -100,27 +95,21 @@ impl<V: Variant> Scheme for KNearestList<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
-        let capacity = config.generated.min(u64::from(NONE));
-        Self {
-            k: config.k.unwrap_or(8),
-            head: layout.pixel(1),
-            pool: layout.pool(),
-            next: layout.global(capacity),
-            key: layout.global(capacity),
-            variant: PhantomData,
-        }
+        let lists = Lists::new(1, config, layout);
+        Self { k: config.k.unwrap_or(8), lists, variant: PhantomData }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        mem.store(self.pool.counter(), 0, Order::Relaxed).await;
+        self.lists.clear_frame(mem).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        mem.store(self.head.at(pixel, 0), NONE, Order::Relaxed).await;
+        self.lists.clear(mem, pixel, 0).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let head = self.head.at(fragment.pixel, 0);
+        let lists = self.lists;
+        let head = lists.head(fragment.pixel, 0);
         let (mut previous, mut nearer, mut own) = (NONE, 0, NONE);
         let _walk = mem.block();
         loop {
@@ -128,10 +117,9 @@ impl<V: Variant> Scheme for KNearestList<V> {
             let next = if previous == NONE {
                 mem.load(head, Order::Acquire).await
             } else {
-                mem.load(self.next.at(previous.into()), Order::Acquire).await
+                mem.load(lists.link(previous), Order::Acquire).await
             };
-            let passes =
-                next != NONE && mem.plain_load(self.key.at(next.into())).await <= fragment.key();
+            let passes = next != NONE && lists.key(mem, next).await <= fragment.key();
             if passes {
                 previous = next;
                 nearer += 1;
@@ -140,24 +128,23 @@ impl<V: Variant> Scheme for KNearestList<V> {
                 }
             } else {
                 if own == NONE {
-                    own = mem.take(self.pool).await;
-                    if u64::from(own) >= self.next.count() {
+                    own = lists.take(mem).await;
+                    if u64::from(own) >= lists.capacity() {
                         return Outcome::Pool;
                     }
                     if V::WRITTEN_FIRST {
-                        mem.plain_store(self.key.at(own.into()), fragment.key()).await;
+                        lists.fill(mem, own, fragment).await;
                     }
                 }
-                mem.store(self.next.at(own.into()), next, Order::Relaxed).await;
+                mem.store(lists.link(own), next, Order::Relaxed).await;
                 let found = if previous == NONE {
                     mem.compare_exchange(head, next, own, V::PUBLISH).await
                 } else {
-                    let link = self.next.at(previous.into());
-                    mem.compare_exchange(link, next, own, V::PUBLISH).await
+                    mem.compare_exchange(lists.link(previous), next, own, V::PUBLISH).await
                 };
                 if found == next {
                     if !V::WRITTEN_FIRST {
-                        mem.plain_store(self.key.at(own.into()), fragment.key()).await;
+                        lists.fill(mem, own, fragment).await;
                     }
                     return Outcome::Kept;
                 }
@@ -168,38 +155,30 @@ impl<V: Variant> Scheme for KNearestList<V> {
 
     /// At any time, the list is in order, as far as it is written, and within the pool; in the end it ends.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
-        let mut node = words.get(self.head.at(pixel, 0)).unwrap_or(NONE);
         let mut last = 0;
-        for _ in 0..=self.next.count() {
-            if node == NONE {
-                return Ok(());
-            }
-            let at = u64::from(node);
-            if at >= self.next.count() {
-                return Err(format!("the list leads to node {node}, of {}", self.next.count()));
-            }
-            let (Some(key), Some(next)) = (words.get(self.key.at(at)), words.get(self.next.at(at)))
-            else {
+        for node in self.lists.nodes(words, pixel, 0) {
+            let node = match node {
+                Ok(node) => node,
                 // That is for those to find out who read it.
-                let unwritten = format!("node {node} is in the list, and nobody wrote it");
-                return if moment == Moment::Quiet { Err(unwritten) } else { Ok(()) };
+                Err(Flaw::Unwritten(_)) if moment == Moment::Always => return Ok(()),
+                Err(flaw) => return Err(flaw.to_string()),
             };
-            if key < last {
-                return Err(format!("node {node} is nearer than the one before"));
+            if node.key < last {
+                return Err(format!("node {} is nearer than the one before", node.number));
             }
-            (last, node) = (key, next);
+            last = node.key;
         }
-        Err(format!("the list does not end within the pool's {} nodes", self.next.count()))
+        Ok(())
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let mut node = mem.load(self.head.at(pixel, 0), Order::Relaxed).await;
+        let mut node = mem.load(self.lists.head(pixel, 0), Order::Relaxed).await;
         for _ in 0..self.k {
             if node == NONE {
                 break;
             }
-            keys.push(mem.plain_load(self.key.at(node.into())).await);
-            node = mem.load(self.next.at(node.into()), Order::Relaxed).await;
+            keys.push(self.lists.key(mem, node).await);
+            node = mem.load(self.lists.link(node), Order::Relaxed).await;
         }
     }
 }
@@ -208,16 +187,15 @@ impl<V: Variant> Scheme for KNearestList<V> {
 mod tests {
     use super::*;
     use crate::scheme::hand_made::HandMade;
+    use crate::scheme::list::Node;
 
     /// A pool of 3 nodes: the head, and next and key of each node.
     fn list(head: u32, nodes: &[(u32, u64)]) -> HandMade<KNearestList> {
         let mut list = HandMade::<KNearestList>::new(Some(2), 3);
-        let (at, next) = (list.scheme.head.at(0, 0), list.scheme.next);
-        let keys = list.scheme.key;
-        list.set(at, head);
-        for (node, &(to, key)) in (0..).zip(nodes) {
-            list.set(next.at(node), to);
-            list.set(keys.at(node), key);
+        let lists = list.scheme.lists;
+        list.set(lists.head(0, 0), head);
+        for (number, &(next, key)) in (0..).zip(nodes) {
+            lists.set(&mut list, Node { number, next, key });
         }
         list
     }

@@ -41,6 +41,7 @@ pub mod kplus_array_published;
 pub mod kplus_heap;
 pub mod kplus_multi;
 pub mod kplus_sb;
+pub mod list;
 pub mod lock;
 pub mod max_array;
 pub mod max_heap;
