@@ -4,9 +4,10 @@
 //! (`tests/layering.rs` checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `render` → `explore` → `report` → `cli`
+//! `effect` → `render` → `explore` → `report` → `cli`
 
 pub mod cli;
+pub mod effect;
 pub mod error;
 pub mod exec;
 pub mod explore;

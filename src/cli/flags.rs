@@ -54,9 +54,10 @@ pub(super) struct Drawing {
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(super) depth_format: Option<DepthFormat>,
 
-    /// The 32-bit word stored with a depth: RGBA8, or the global triangle index
-    #[arg(long, value_enum, value_name = "WORD", default_value = "color")]
-    pub(super) data: Data,
+    /// The 32-bit word stored with a depth: RGBA8, or the global triangle index [default: color; primitive where the
+    /// effect must know a fragment's object]
+    #[arg(long, value_enum, value_name = "WORD")]
+    pub(super) data: Option<Data>,
 
     /// Which faces are left out; front is counter-clockwise
     #[arg(long, value_enum, value_name = "FACES", default_value = "none")]

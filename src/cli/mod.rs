@@ -8,6 +8,7 @@ mod catalogue;
 mod check;
 mod claims;
 mod compare;
+mod effects;
 mod flags;
 mod interrupt;
 mod methods;

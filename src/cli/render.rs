@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::effects::Effects;
 use super::flags::{Drawing, Output};
 use super::settings::{Settings, resolve};
 use super::{Verdict, catalogue, say, wait};
@@ -23,6 +24,9 @@ pub(super) struct Args {
 
     #[command(flatten)]
     drawing: Drawing,
+
+    #[command(flatten)]
+    effects: Effects,
 
     /// Write the picture, as PNG (sRGB, RGBA8) [default: not written]
     #[arg(short = 'o', value_name = "FILE.png")]
@@ -50,7 +54,8 @@ pub(super) struct Args {
 /// Wrong options or scene, or a file that cannot be written.
 pub(super) fn run(args: &Args) -> Result<Verdict> {
     let contract = catalogue::find("-m", &args.method)?;
-    let settings = resolve(&args.drawing, contract.name, args.record.is_some())?;
+    let mut settings = resolve(&args.drawing, contract.name, args.record.is_some())?;
+    args.effects.resolve(args.drawing.data, &mut settings.options)?;
     check_outputs(args)?;
     let rendering = draw(args, settings)?;
     let document = json::document(&rendering.report)?;
@@ -82,6 +87,8 @@ fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
     let all = [
         ("-o", &args.image),
         ("--fragments", &args.fragments),
+        ("--surfaces", &args.effects.surfaces),
+        ("--ldi", &args.effects.ldi),
         ("--stats", &args.stats),
         ("--record", &args.record),
     ];
@@ -102,6 +109,13 @@ fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<(
     }
     if let Some(path) = &args.fragments {
         files::write(path, |file| npz::write(file, &rendering.lists))?;
+    }
+    if let (Some(path), Some(surfaces)) = (&args.effects.surfaces, &rendering.surfaces) {
+        files::write(path, |file| npz::write(file, surfaces))?;
+    }
+    if let Some(path) = &args.effects.ldi {
+        let voxels = rendering.voxels.as_ref();
+        files::write(path, |file| npz::write_ldi(file, &rendering.lists, voxels))?;
     }
     if let Some(path) = &args.record {
         let schedule = rendering.schedule.as_ref();

@@ -39,8 +39,10 @@ pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Set
         tile: typed.tile,
         sub_pixel_bits: typed.sub_pixel_bits,
         depth_format: typed.depth_format.map(Format::from),
-        data: typed.data.into(),
+        data: typed.data.map(render::Data::from).unwrap_or_default(),
         cull_face: typed.cull_face.into(),
+        effect: render::Effect::default(),
+        shadows: None,
         counters: true,
         memory_budget: typed
             .memory_budget

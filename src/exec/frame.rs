@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
-use crate::fragment::{Data, data_of};
+use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
 use crate::memory::Counters;
 use crate::raster::Grid;
@@ -94,7 +94,7 @@ impl<'a> Finisher<'a> {
         self.job.sort.run(keys);
         let mut ray = Ray::default();
         for &key in keys.iter() {
-            ray.over(self.color(data_of(key)));
+            ray.over(self.color(key));
             if ray.is_opaque() {
                 break;
             }
@@ -106,13 +106,13 @@ impl<'a> Finisher<'a> {
     }
 
     #[inline]
-    fn color(&self, data: u32) -> u32 {
+    fn color(&self, key: u64) -> u32 {
         match self.job.record.data {
-            Data::Color => data,
+            Data::Color => data_of(key),
             Data::Primitive => {
                 let local = self.output.counts.len() as u32;
                 let (x, y) = self.job.front.grid.position(self.tile, local);
-                self.job.front.color_of(data, x, y)
+                self.job.front.color_of(data_of(key), x, y, depth_of(key))
             }
         }
     }

@@ -44,6 +44,19 @@ impl Format {
         }
     }
 
+    /// The depth, 0..1, of a stored word: in the middle of the codes that have it, where there are several. It keeps the
+    /// order of words.
+    #[inline]
+    #[must_use]
+    pub fn decode(self, word: u32) -> f64 {
+        let code = match self {
+            Self::D32 => f64::from(word),
+            Self::D24 => f64::from(word) * 256.0 + 127.5,
+            Self::F32 => f64::from(f32::from_bits(word)),
+        };
+        (code / f64::from(u32::MAX)).min(1.0)
+    }
+
     /// The name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -75,6 +88,19 @@ mod tests {
             let stored = codes.map(|c| format.encode(c));
             assert!(stored.is_sorted(), "{format:?}: {stored:?}");
             assert!(stored.iter().all(|&s| s != EMPTY));
+        }
+    }
+
+    #[test]
+    fn decoding_is_within_half_a_step() {
+        let codes = [0, 1, 255, 256, 1 << 24, (1 << 24) + 1, 1 << 31, FARTHEST - 1, FARTHEST];
+        for (format, step) in [(Format::D32, 0.0), (Format::D24, 128.0), (Format::F32, 128.0)] {
+            let depths = codes.map(|code| format.decode(format.encode(code)));
+            assert!(depths.is_sorted() && depths[8] <= 1.0, "{format:?}: {depths:?}");
+            for (code, depth) in codes.into_iter().zip(depths) {
+                let apart = (depth * f64::from(u32::MAX) - f64::from(code)).abs();
+                assert!(apart <= step + 1e-3, "{format:?} {code}: {apart}");
+            }
         }
     }
 }

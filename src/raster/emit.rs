@@ -56,16 +56,21 @@ impl FrontEnd {
     /// pixel.
     pub fn fragments(&self, packet: Packet, record: Record, first_pixel: u32, batch: &mut Batch) {
         let primitive = &self.primitives()[packet.primitive as usize];
-        match (record.data, self.surface(primitive)) {
-            (Data::Primitive, _) => {
+        match (record.data, self.surface(primitive), &self.attenuation) {
+            (Data::Primitive, ..) => {
                 let word = primitive.triangle;
-                self.emit(packet, record.depth, first_pixel, batch, |_, _| word);
+                self.emit(packet, record.depth, first_pixel, batch, |_, _, _| word);
             }
-            (Data::Color, Surface::Uniform(word)) => {
-                self.emit(packet, record.depth, first_pixel, batch, |_, _| *word);
+            (Data::Color, Surface::Uniform(word), _) => {
+                self.emit(packet, record.depth, first_pixel, batch, |_, _, _| *word);
             }
-            (Data::Color, surface @ Surface::Varying(_)) => {
-                self.emit(packet, record.depth, first_pixel, batch, |x, y| surface.at(x, y));
+            (Data::Color, surface, None) => {
+                self.emit(packet, record.depth, first_pixel, batch, |x, y, _| surface.at(x, y));
+            }
+            (Data::Color, surface, Some(light)) => {
+                self.emit(packet, record.depth, first_pixel, batch, |x, y, depth| {
+                    surface.attenuated(x, y, light.transmittance(x, y, depth))
+                });
             }
         }
     }
@@ -77,7 +82,7 @@ impl FrontEnd {
         format: Format,
         first_pixel: u32,
         batch: &mut Batch,
-        data: impl Fn(u32, u32) -> u32,
+        data: impl Fn(u32, u32, u32) -> u32,
     ) {
         let plane = self.primitives()[packet.primitive as usize].plane;
         let (x, y) = (u32::from(packet.column) * 8, u32::from(packet.row) * 8);
@@ -89,15 +94,20 @@ impl FrontEnd {
             mask &= mask - 1;
             let (dx, dy) = (bit & 7, bit >> 3);
             let depth = format.encode(plane.code(plane.step(origin, dx, dy)));
-            let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy));
+            let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy, depth));
             batch.push(Fragment { pixel, depth, data, rank: 0 });
         }
     }
 
-    /// The RGBA8 word of a triangle at a pixel, for runs that store triangle indices; 0 (transparent) if that triangle
-    /// is not visible.
+    /// The RGBA8 word of a triangle at a pixel and a stored depth, for runs that store triangle indices; 0 (transparent)
+    /// if that triangle is not visible.
     #[must_use]
-    pub fn color_of(&self, triangle: u32, x: u32, y: u32) -> u32 {
-        self.primitive_of(triangle).map_or(0, |p| self.surface(p).at(x, y))
+    pub fn color_of(&self, triangle: u32, x: u32, y: u32, depth: u32) -> u32 {
+        let Some(primitive) = self.primitive_of(triangle) else { return 0 };
+        match (self.surface(primitive), &self.attenuation) {
+            (Surface::Uniform(word), _) => *word,
+            (surface, None) => surface.at(x, y),
+            (surface, Some(light)) => surface.attenuated(x, y, light.transmittance(x, y, depth)),
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::clip::{Polygon, Viewport};
 use super::grid::Grid;
 use super::place::Placed;
 use super::primitive::{Primitive, Rect, Setup};
-use super::shade::Surface;
+use super::shade::{Attenuation, Surface};
 use crate::fragment::Packet;
 use crate::num::color;
 use crate::scene::{Scene, ScreenTriangle};
@@ -50,6 +50,10 @@ pub struct FrontEnd {
     pub degenerate: u64,
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
+    /// By primitive: whether its back is seen. Apart, since few runs ask.
+    backs: Vec<bool>,
+    /// What stands in the light's way.
+    pub(super) attenuation: Option<Box<dyn Attenuation>>,
     /// Bin t is `binned[starts[t]..starts[t + 1]]`.
     starts: Vec<usize>,
     binned: Vec<u32>,
@@ -59,8 +63,21 @@ impl FrontEnd {
     /// Transform, clip, snap and bin every triangle of a scene.
     #[must_use]
     pub fn new(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
+        Self::attenuated(scene, grid, sub_pixel_bits, cull, None)
+    }
+
+    /// As [`FrontEnd::new`], in light that is attenuated on its way.
+    #[must_use]
+    pub fn attenuated(
+        scene: &Scene,
+        grid: Grid,
+        sub_pixel_bits: u32,
+        cull: CullFace,
+        attenuation: Option<Box<dyn Attenuation>>,
+    ) -> Self {
+        let attenuated = attenuation.is_some();
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target = Target { viewport, image: grid.image(), cull };
+        let target = Target { viewport, image: grid.image(), cull, attenuated };
         let view_projection = scene.camera.view_projection(scene.size);
         let mut chunks = Vec::new();
         let mut first = 0u32;
@@ -74,23 +91,34 @@ impl FrontEnd {
         }
         chunks.push(Chunk::of_screen(&scene.screen, first, target));
         let triangles = u64::from(first) + scene.screen.len() as u64;
-        Self::join(grid, triangles, chunks)
+        Self { attenuation, ..Self::join(grid, triangles, chunks) }
     }
 
     fn join(grid: Grid, triangles: u64, chunks: Vec<Chunk>) -> Self {
         let count = chunks.iter().map(|c| c.primitives.len()).sum();
         let mut primitives: Vec<Primitive> = Vec::with_capacity(count);
-        let mut surfaces = Vec::with_capacity(count);
+        let (mut surfaces, mut backs) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut degenerate = 0;
         for mut chunk in chunks {
             let base = surfaces.len() as u32;
             chunk.primitives.iter_mut().for_each(|p| p.surface += base);
             primitives.append(&mut chunk.primitives);
             surfaces.append(&mut chunk.surfaces);
+            backs.append(&mut chunk.backs);
             degenerate += chunk.degenerate;
         }
         let (starts, binned) = bin(&primitives, &grid);
-        Self { grid, triangles, degenerate, primitives, surfaces, starts, binned }
+        Self {
+            grid,
+            triangles,
+            degenerate,
+            primitives,
+            surfaces,
+            backs,
+            attenuation: None,
+            starts,
+            binned,
+        }
     }
 
     /// The primitives in submission order.
@@ -109,8 +137,17 @@ impl FrontEnd {
     /// The primitive of a global triangle index, if it is visible.
     #[must_use]
     pub fn primitive_of(&self, triangle: u32) -> Option<&Primitive> {
-        let found = self.primitives.binary_search_by_key(&triangle, |p| p.triangle);
-        found.ok().map(|i| &self.primitives[i])
+        self.index_of(triangle).map(|i| &self.primitives[i])
+    }
+
+    /// Whether a global triangle index is seen from its back, if it is visible.
+    #[must_use]
+    pub fn is_back(&self, triangle: u32) -> Option<bool> {
+        self.index_of(triangle).map(|i| self.backs[i])
+    }
+
+    fn index_of(&self, triangle: u32) -> Option<usize> {
+        self.primitives.binary_search_by_key(&triangle, |p| p.triangle).ok()
     }
 
     /// Call `emit` for every packet of a tile, in submission order.
@@ -188,6 +225,7 @@ impl FrontEnd {
 struct Chunk {
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
+    backs: Vec<bool>,
     degenerate: u64,
 }
 
@@ -200,7 +238,8 @@ impl Chunk {
                 Some(corners) => {
                     let polygon = target.viewport.clip(corners.clip);
                     chunk.add(target, index, &polygon, |back, bounds| {
-                        placed.surface(&corners, back, &target.viewport, bounds)
+                        let seen = [back, target.attenuated];
+                        placed.surface(&corners, seen, &target.viewport, bounds)
                     });
                 }
             }
@@ -238,6 +277,7 @@ impl Chunk {
                     primitive.surface = self.surfaces.len() as u32;
                     self.surfaces.push(surface(back, primitive.bounds));
                     self.primitives.push(primitive);
+                    self.backs.push(back);
                 }
             }
         }
@@ -250,6 +290,8 @@ struct Target {
     viewport: Viewport,
     image: Rect,
     cull: CullFace,
+    /// Light is.
+    attenuated: bool,
 }
 
 /// Bins in CSR form: starts per tile, then primitive indices in submission order.

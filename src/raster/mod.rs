@@ -18,3 +18,4 @@ pub mod shade;
 pub use emit::{Batch, Record};
 pub use front::{CullFace, FrontEnd};
 pub use grid::Grid;
+pub use shade::Attenuation;

@@ -57,15 +57,16 @@ impl<'a> Placed<'a> {
         Some(Corners { clip, face_normal, normals, colors })
     }
 
-    /// The surface of a triangle seen from its back or front.
+    /// The surface of a triangle seen from its back or front, in light that is attenuated or not.
     pub(super) fn surface(
         &self,
         corners: &Corners,
-        back: bool,
+        [back, attenuated]: [bool; 2],
         viewport: &Viewport,
         bounds: Rect,
     ) -> Surface {
-        Surface::new(corners, self.material, self.light, back, viewport, bounds)
+        let turned = [back, attenuated];
+        Surface::new(corners, self.material, self.light, turned, viewport, bounds)
     }
 }
 

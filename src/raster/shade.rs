@@ -13,6 +13,11 @@
 //!
 //! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
 //! n.n are (x x' + y y') + z z'. A surface whose colour does not vary over it is shaded once, at set-up.
+//!
+//! Where light is attenuated on its way (`Attenuation`, T in 0..1 per channel), `lambert` multiplies the diffuse term by
+//! T and leaves the ambient one, c * (ambient + (1 - ambient) * (max(n.l, 0) * T)); `gooch` cools, by (t * T) in place
+//! of t; `flat` surfaces and screen triangles are not lit, and stay as they are. T = 1 gives the same bits as no
+//! attenuation at all.
 
 use glam::{DVec3, DVec4};
 
@@ -31,6 +36,35 @@ pub enum Surface {
     Uniform(u32),
     /// Evaluated per fragment.
     Varying(Box<Varying>),
+    /// One colour and one normal, but light that is attenuated from pixel to pixel.
+    Even(Box<Even>),
+}
+
+/// How much of the light reaches a point.
+pub trait Attenuation: std::fmt::Debug + Send + Sync {
+    /// Per channel, 0 to 65,535 (all of it), at the point that pixel (x, y) sees at a stored depth.
+    fn transmittance(&self, x: u32, y: u32, depth: u32) -> [u16; 3];
+}
+
+/// All of the light, per channel.
+const ALL: Rgb = [1.0; 3];
+
+/// A surface that would be uniform in light that is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Even {
+    color: Rgb,
+    normal: Rgb,
+    alpha: f32,
+    shading: Shading,
+    light: Lighting,
+}
+
+impl Even {
+    #[inline]
+    fn at(&self, reaches: Rgb) -> u32 {
+        let rgb = self.light.shade(self.shading, self.color, self.normal, reaches);
+        color::rgba8(rgb, self.alpha)
+    }
 }
 
 /// A surface whose colour changes from pixel to pixel.
@@ -73,13 +107,14 @@ pub struct Corners {
 }
 
 impl Surface {
-    /// Shade at set-up what does not vary. `turned` says that the back face is seen: normals are reversed.
+    /// Shade at set-up what does not vary. `turned` says that the back face is seen: normals are reversed. `attenuated`
+    /// says that light will be.
     #[must_use]
     pub fn new(
         corners: &Corners,
         material: &Material,
         light: Lighting,
-        turned: bool,
+        [turned, attenuated]: [bool; 2],
         viewport: &Viewport,
         bounds: Rect,
     ) -> Self {
@@ -88,8 +123,12 @@ impl Surface {
         let tint = |c: Rgb| std::array::from_fn(|i| c[i] * material.color[i]);
         let lit = material.shading != Shading::Flat;
         if corners.colors.is_none() && (corners.normals.is_none() || !lit) {
-            let rgb = light.shade(material.shading, material.color, face_normal);
-            return Self::Uniform(color::rgba8(rgb, material.alpha));
+            let Material { color, alpha, shading, .. } = *material;
+            let even = Even { color, normal: face_normal, alpha, shading, light };
+            return match attenuated && lit {
+                true => Self::Even(Box::new(even)),
+                false => Self::Uniform(even.at(ALL)),
+            };
         }
         Self::Varying(Box::new(Varying {
             origin: [bounds.x0, bounds.y0],
@@ -109,13 +148,26 @@ impl Surface {
     pub fn at(&self, x: u32, y: u32) -> u32 {
         match self {
             Self::Uniform(word) => *word,
-            Self::Varying(varying) => varying.at(x, y),
+            Self::Varying(varying) => varying.at(x, y, ALL),
+            Self::Even(even) => even.at(ALL),
+        }
+    }
+
+    /// The data word at pixel (x, y), where `reaches` of the light does, 0 to 65,535 per channel.
+    #[must_use]
+    pub fn attenuated(&self, x: u32, y: u32, reaches: [u16; 3]) -> u32 {
+        let reaches = reaches.map(|share| f32::from(share) / 65_535.0);
+        match self {
+            Self::Uniform(word) => *word,
+            Self::Varying(varying) => varying.at(x, y, reaches),
+            Self::Even(even) => even.at(reaches),
         }
     }
 }
 
 impl Varying {
-    fn at(&self, x: u32, y: u32) -> u32 {
+    #[inline]
+    fn at(&self, x: u32, y: u32, reaches: Rgb) -> u32 {
         let dx = x as f32 - self.origin[0] as f32;
         let dy = y as f32 - self.origin[1] as f32;
         let w = self.weights.map(|[a, b, c]| ((a * dx + b * dy) + c).max(0.0));
@@ -125,24 +177,28 @@ impl Varying {
             std::array::from_fn(|i| (w[0] * v[0][i] + w[1] * v[1][i]) + w[2] * v[2][i])
         };
         let normal = normalized(blend(&self.normals)).unwrap_or(self.face_normal);
-        color::rgba8(self.light.shade(self.shading, blend(&self.colors), normal), self.alpha)
+        let rgb = self.light.shade(self.shading, blend(&self.colors), normal, reaches);
+        color::rgba8(rgb, self.alpha)
     }
 }
 
 impl Lighting {
-    fn shade(self, shading: Shading, c: Rgb, normal: Rgb) -> Rgb {
+    #[inline]
+    fn shade(self, shading: Shading, c: Rgb, normal: Rgb, reaches: Rgb) -> Rgb {
         let cosine = dot(normal, self.towards);
         match shading {
             Shading::Flat => c,
             Shading::Lambert => {
                 let diffuse = if cosine > 0.0 { cosine } else { 0.0 };
-                let intensity = self.ambient + (1.0 - self.ambient) * diffuse;
-                c.map(|c| c * intensity)
+                std::array::from_fn(|i| {
+                    c[i] * (self.ambient + (1.0 - self.ambient) * (diffuse * reaches[i]))
+                })
             }
             Shading::Gooch => {
                 let t = (1.0 + cosine) * 0.5;
                 let (warm, cool) = ([0.3, 0.3, 0.0], [0.0, 0.0, 0.55]);
                 std::array::from_fn(|i| {
+                    let t = t * reaches[i];
                     t * (warm[i] + 0.25 * c[i]) + (1.0 - t) * (cool[i] + 0.25 * c[i])
                 })
             }
@@ -216,7 +272,7 @@ mod tests {
         let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.0 };
         let bounds = Rect { x0: 0, y0: 0, x1: 8, y1: 8 };
         let surface =
-            Surface::new(&corners, &material(Shading::Flat), light, false, &VIEWPORT, bounds);
+            Surface::new(&corners, &material(Shading::Flat), light, [false; 2], &VIEWPORT, bounds);
         for x in 0..8 {
             let s = (f64::from(x) + 0.5) / 8.0;
             let expected = (s / 4.0) / ((1.0 - s) + s / 4.0);
@@ -231,10 +287,14 @@ mod tests {
         let facing = [0.0, 0.0, 1.0];
         let away = [0.0, 0.0, -1.0];
         let c = [1.0, 0.5, 0.0];
-        assert_eq!(light.shade(Shading::Lambert, c, facing), [1.0, 0.5, 0.0]);
-        assert_eq!(light.shade(Shading::Lambert, c, away), [0.2, 0.1, 0.0]);
-        assert_eq!(light.shade(Shading::Gooch, c, facing), [0.55, 0.425, 0.0]);
-        assert_eq!(light.shade(Shading::Gooch, c, away), [0.25, 0.125, 0.55]);
-        assert_eq!(light.shade(Shading::Flat, c, away), c);
+        assert_eq!(light.shade(Shading::Lambert, c, facing, ALL), [1.0, 0.5, 0.0]);
+        assert_eq!(light.shade(Shading::Lambert, c, away, ALL), [0.2, 0.1, 0.0]);
+        assert_eq!(light.shade(Shading::Gooch, c, facing, ALL), [0.55, 0.425, 0.0]);
+        assert_eq!(light.shade(Shading::Gooch, c, away, ALL), [0.25, 0.125, 0.55]);
+        assert_eq!(light.shade(Shading::Flat, c, away, ALL), c);
+        let half = [0.5, 0.0, 1.0];
+        assert_eq!(light.shade(Shading::Lambert, c, facing, half), [0.6, 0.1, 0.0]);
+        assert_eq!(light.shade(Shading::Gooch, c, facing, [0.0; 3]), [0.25, 0.125, 0.55]);
+        assert_eq!(light.shade(Shading::Flat, c, facing, half), c);
     }
 }

@@ -1,9 +1,11 @@
 //! Memory limits, checked before memory is allocated.
 
 use super::options::{Exec, Options};
+use crate::effect::Effect;
 use crate::error::{Error, Result};
 use crate::exec::Job;
 use crate::memory::Layout;
+use crate::raster::Grid;
 
 /// What executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
@@ -38,6 +40,13 @@ pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
     let generated: u64 = job.front.count_fragments().iter().sum();
     let bytes = by_k.min(generated).saturating_mul(KEPT_BYTES);
     refuse_above(options, bytes, "kept fragments")
+}
+
+/// Refuse a grid of voxels that would not fit: a byte each.
+pub(super) fn voxels(options: &Options, grid: &Grid) -> Result<()> {
+    let Effect::Ldi { voxels: Some(slices) } = options.effect else { return Ok(()) };
+    let bytes = u64::from(grid.width) * u64::from(grid.height) * u64::from(slices);
+    refuse_above(options, bytes, "voxels")
 }
 
 fn refuse_above(options: &Options, bytes: u64, what: &str) -> Result<()> {

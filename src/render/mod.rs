@@ -4,7 +4,10 @@ mod budget;
 mod limits;
 mod options;
 mod report;
+mod shadows;
 
+use crate::effect::ldi::Voxels;
+use crate::effect::{self, Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
@@ -12,28 +15,33 @@ use crate::exec::{self, Frame, Job, Tally};
 use crate::image::Image;
 use crate::memory::{Counters, Layout, Observer};
 use crate::num::color::word16;
-use crate::raster::{FrontEnd, Grid, Record};
+use crate::raster::{Attenuation, FrontEnd, Grid, Record};
 use crate::resolve::hash::fragments_hash;
 use crate::scene::Scene;
 use crate::scheme::catalogue::{self, Visitor};
 use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::{Config, Scheme};
 
+pub use crate::effect::Effect;
 pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::Lists;
 pub use budget::Budget;
-pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Sim, Sort};
-pub use report::Report;
+pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
+pub use report::{Report, ShadowReport};
 
 /// Everything one frame gives.
 #[derive(Clone, Debug)]
 pub struct Rendering {
-    /// The composited picture.
+    /// The picture.
     pub image: Image,
     /// The kept fragments after resolve.
     pub lists: Lists,
+    /// With [`Effect::Csg`], those of them that are surfaces of the combination.
+    pub surfaces: Option<Lists>,
+    /// With [`Effect::Ldi`], what is solid, if it was asked for.
+    pub voxels: Option<Voxels>,
     /// Accounting, counters, hashes, times.
     pub report: Report,
     /// The recorded schedule, if asked for.
@@ -48,8 +56,8 @@ const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 /// Draw `scene`.
 ///
 /// # Errors
-/// An unknown method, an option out of range, more memory than `options.max_memory`, or a recorded schedule that does
-/// not fit.
+/// An unknown method, an option out of range, more memory than `options.max_memory`, a recorded schedule that does
+/// not fit, or an effect that does not fit the scene.
 ///
 /// # Examples
 /// ```
@@ -77,9 +85,16 @@ fn draw(
     contract: &'static Contract,
     threads: usize,
 ) -> Result<Rendering> {
+    options.effect.check(scene)?;
     let mut watch = Stopwatch::start();
+    let shadow = shadows::draw(scene, options, contract, threads)?;
+    let attenuation = shadow.map.map(|map| Box::new(map) as Box<dyn Attenuation>);
+    if attenuation.is_some() {
+        watch.lap("shadows");
+    }
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
-    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
+    let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
     watch.lap("setup");
     let (mut config, before_tile) = configure(&front, contract, options.k.or(contract.default_k));
     let mut chosen = None;
@@ -100,12 +115,25 @@ fn draw(
         threads,
     };
     limits::kept(options, &job)?;
+    limits::voxels(options, &grid)?;
     let run = Run { job: &job, config, options, fingerprint: fingerprint(&front, options) };
     let mut executed = catalogue::visit(contract.name, run)??;
     watch.lap("draw");
-    let (lists, image) = executed.frame.assemble(&grid);
+    let (lists, composited) = executed.frame.assemble(&grid);
     watch.lap("assemble");
+    let stage = Stage { scene, front: &front, format: job.record.depth, lists: &lists };
+    let Made { image, surfaces, voxels, open, warnings } = effect::make(&options.effect, &stage)?;
+    let image = image.unwrap_or(composited);
+    if options.effect != Effect::Transparency {
+        watch.lap("effect");
+    }
     let mut report = account(scene, contract, &front, &executed);
+    report.effect = options.effect.name().to_owned();
+    report.warnings.extend(incomplete(options, &report));
+    report.warnings.extend(warnings);
+    report.open_pixels = open;
+    report.solid_voxels = voxels.as_ref().map(Voxels::solid);
+    shadow.outcome.into_iter().for_each(|outcome| outcome.add_to(&mut report));
     report.budget = chosen;
     report.k = match contract.keeps {
         Keeps::One => Some(1),
@@ -116,9 +144,23 @@ fn draw(
     report.fragments_hash = fragments_hash(lists.width, lists.height, &lists.offsets, &lists.keys);
     watch.lap("hash");
     report.seconds = watch.seconds();
-    let passes = executed.frame.seconds.into_iter();
+    let passes = std::mem::take(&mut executed.frame.seconds).into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
-    Ok(Rendering { image, lists, report, schedule: executed.schedule, watched: executed.watched })
+    let Executed { schedule, watched, .. } = executed;
+    Ok(Rendering { image, lists, surfaces, voxels, report, schedule, watched })
+}
+
+/// That an effect which walks through solids has not seen all of their faces.
+fn incomplete(options: &Options, report: &Report) -> Option<String> {
+    let missing = report.generated.saturating_sub(report.kept);
+    let [effect, method] = [options.effect.name(), &report.method];
+    (missing > 0 && options.effect.needs_solids()).then(|| {
+        format!(
+            "{effect}: {method} did not keep {missing} of {} fragments, so what lies behind them may be \
+             wrong, and closed objects may seem open",
+            report.generated
+        )
+    })
 }
 
 /// What the method must know of the scene, measured only if it must; and the fragments before each tile.

@@ -1,9 +1,11 @@
 //! What to draw with, and how; and whether it makes sense.
 
+use crate::effect::Effect;
 use crate::error::{Error, Result};
 use crate::fragment::Data;
 use crate::num::depth;
 use crate::raster::CullFace;
+use crate::scene::MAX_SIZE;
 use crate::scheme::Contract;
 
 pub use crate::exec::sim::policy::Kind as Policy;
@@ -31,6 +33,10 @@ pub struct Options {
     pub data: Data,
     /// Which faces are not drawn.
     pub cull_face: CullFace,
+    /// What is made of the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
+    pub effect: Effect,
+    /// Shadows by a second frame, from the light.
+    pub shadows: Option<Shadows>,
     /// Count memory operations.
     pub counters: bool,
     /// Bytes that the method's storage may take: k, or the room for fragments, is the largest that fits. Not together
@@ -55,12 +61,24 @@ impl Default for Options {
             depth_format: None,
             data: Data::Color,
             cull_face: CullFace::None,
+            effect: Effect::default(),
+            shadows: None,
             counters: true,
             memory_budget: None,
             sort: Sort::default(),
             max_memory: 8 << 30,
         }
     }
+}
+
+/// How the frame from the light is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shadows {
+    /// The map's edge in pixels, 1 to [`MAX_SIZE`]; `None` is the image's longer edge.
+    pub size: Option<u32>,
+    /// How much nearer to the light a surface must be to throw a shadow, in world units, 0 or more; `None` is twice the
+    /// width of the map's pixels.
+    pub bias: Option<f64>,
 }
 
 /// Who runs the invocations of a pass.
@@ -155,7 +173,43 @@ impl Options {
             let n = sim.resident;
             return wrong("--resident", format!("is {n}, but must be 1 to {MAX_RESIDENT}"));
         }
+        self.check_effect()?;
+        self.check_shadows()
+    }
+
+    fn check_effect(&self) -> Result<()> {
+        let name = self.effect.name();
+        if self.effect.needs_primitives() && self.data != Data::Primitive {
+            let problem =
+                format!("color: {name} must know a fragment's object, so it needs primitive");
+            return Err(Error::new("--data", problem));
+        }
+        if self.effect.needs_solids() && self.cull_face != CullFace::None {
+            let problem = format!("{name} needs front and back faces, so it must be none");
+            return Err(Error::new("--cull-face", problem));
+        }
         Ok(())
+    }
+
+    fn check_shadows(&self) -> Result<()> {
+        let Some(Shadows { size, bias }) = self.shadows else { return Ok(()) };
+        if let Some(size) = size.filter(|size| !(1..=MAX_SIZE).contains(size)) {
+            let problem = format!("is {size}, but must be 1 to {MAX_SIZE} pixels");
+            return Err(Error::new("--shadow-size", problem));
+        }
+        if let Some(bias) = bias.filter(|bias| !(bias.is_finite() && *bias >= 0.0)) {
+            let problem = format!("is {bias}, but must be 0 or more world units, and finite");
+            return Err(Error::new("--shadow-bias", problem));
+        }
+        match &self.exec {
+            Exec::Sim(Sim { record: true, .. }) => {
+                Err(Error::new("--record", "a schedule is of one frame, but --shadows draws two"))
+            }
+            Exec::Sim(Sim { policy: Policy::Recorded(_), .. }) => {
+                Err(Error::new("--schedule", "is of one frame, but --shadows draws two"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Worker threads, at least 1.

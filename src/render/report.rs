@@ -6,6 +6,21 @@ use serde::Serialize;
 
 use super::Budget;
 
+/// The accounting of a frame from the light.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ShadowReport {
+    /// The map's edge in pixels.
+    pub size: u32,
+    /// World units.
+    pub bias: f64,
+    /// Fragments of one geometry pass.
+    pub generated: u64,
+    /// Entries of the map's lists.
+    pub kept: u64,
+    /// SHA-256 of its resolved lists.
+    pub fragments_hash: String,
+}
+
 /// The accounting of a frame: the fields of `render --json`, by those names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
@@ -52,6 +67,18 @@ pub struct Report {
     /// What a memory budget led to, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
+    /// What was made of the lists: `oit`, `media`, `csg` or `ldi`.
+    pub effect: String,
+    /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`), or
+    /// more front than back faces or fewer (`media`). Objects that are closed are left out.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub open_pixels: BTreeMap<String, u64>,
+    /// Voxels that are inside, if they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solid_voxels: Option<u64>,
+    /// The frame from the light, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadows: Option<ShadowReport>,
     /// Geometry passes of a round.
     pub passes: u32,
     /// Rounds: how often passes and resolve were repeated. A schedule may change it, where rounds mend what races lost.

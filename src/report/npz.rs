@@ -6,6 +6,7 @@ use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
+use crate::effect::ldi::Voxels;
 use crate::render::Lists;
 
 /// Bytes gathered before a write.
@@ -27,6 +28,30 @@ pub fn write<W: Write + Seek>(out: W, lists: &Lists) -> io::Result<()> {
     Ok(())
 }
 
+/// Write a layered depth image: `offsets`, `depth`, `width` and `height` as [`write()`] does, without data; and, if they
+/// are given, `voxels` (bool, slices x height x width).
+///
+/// # Errors
+/// What `out` reports.
+pub fn write_ldi<W: Write + Seek>(
+    out: W,
+    lists: &Lists,
+    voxels: Option<&Voxels>,
+) -> io::Result<()> {
+    let mut archive = Archive { zip: ZipWriter::new(out) };
+    archive.array("offsets", &lists.offsets, u64::to_le_bytes)?;
+    archive.array("depth", &lists.keys, |key| ((key >> 32) as u32).to_le_bytes())?;
+    if let Some(Voxels { width, height, slices, inside }) = voxels {
+        archive.start("voxels", inside.len() as u64)?;
+        archive.zip.write_all(&header("|b1", &format!("({slices}, {height}, {width})")))?;
+        archive.zip.write_all(inside)?;
+    }
+    archive.scalar("width", lists.width)?;
+    archive.scalar("height", lists.height)?;
+    archive.zip.finish()?;
+    Ok(())
+}
+
 struct Archive<W: Write + Seek> {
     zip: ZipWriter<W>,
 }
@@ -39,7 +64,7 @@ impl<W: Write + Seek> Archive<W> {
         bytes: impl Fn(u64) -> [u8; N],
     ) -> io::Result<()> {
         self.start(name, (words.len() as u64).saturating_mul(N as u64))?;
-        self.zip.write_all(&header(N, &format!("({},)", words.len())))?;
+        self.zip.write_all(&header(&format!("<u{N}"), &format!("({},)", words.len())))?;
         let mut chunk = Vec::with_capacity(CHUNK);
         for some in words.chunks(CHUNK / N) {
             chunk.clear();
@@ -51,7 +76,7 @@ impl<W: Write + Seek> Archive<W> {
 
     fn scalar(&mut self, name: &str, value: u32) -> io::Result<()> {
         self.start(name, 4)?;
-        self.zip.write_all(&header(4, "()"))?;
+        self.zip.write_all(&header("<u4", "()"))?;
         self.zip.write_all(&value.to_le_bytes())
     }
 
@@ -67,11 +92,11 @@ impl<W: Write + Seek> Archive<W> {
 }
 
 /// The header of a `.npy` file, version 1.0, padded so that the data begins at a multiple of 64 bytes.
-fn header(word: usize, shape: &str) -> Vec<u8> {
-    let text = format!("{{'descr': '<u{word}', 'fortran_order': False, 'shape': {shape}, }}");
+fn header(word: &str, shape: &str) -> Vec<u8> {
+    let text = format!("{{'descr': '{word}', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    // At most 118: a shape has at most 20 digits.
+    // Far below 2^16: a number has at most 20 digits.
     bytes.extend((length as u16).to_le_bytes());
     bytes.extend(format!("{text:<width$}\n", width = length - 1).into_bytes());
     bytes
@@ -124,6 +149,24 @@ mod tests {
             zip.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
             assert_eq!(bytes, expected, "{name}");
         }
+    }
+
+    #[test]
+    fn a_layered_depth_image_has_depths_and_voxels() {
+        let voxels = Voxels { width: 2, height: 1, slices: 2, inside: vec![0, 1, 1, 0] };
+        let mut out = Cursor::new(Vec::new());
+        write_ldi(&mut out, &lists(), Some(&voxels)).unwrap();
+        let mut zip = zip::ZipArchive::new(out).unwrap();
+        let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
+        assert_eq!(names, ["offsets.npy", "depth.npy", "voxels.npy", "width.npy", "height.npy"]);
+        let mut bytes = Vec::new();
+        zip.by_name("voxels.npy").unwrap().read_to_end(&mut bytes).unwrap();
+        assert_eq!(bytes.len(), 128 + 4);
+        assert!(
+            bytes[10..]
+                .starts_with(b"{'descr': '|b1', 'fortran_order': False, 'shape': (2, 1, 2), }")
+        );
+        assert_eq!(bytes[128..], [0, 1, 1, 0]);
     }
 
     #[test]

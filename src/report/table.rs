@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::text::{Align, columns, percent, thousands};
-use crate::render::{Budget, Report};
+use crate::render::{Budget, Report, ShadowReport};
 
 /// The whole table. Fields that the schedule may change carry a `*`.
 #[must_use]
@@ -105,6 +105,8 @@ fn facts(report: &Report) -> String {
         ["geometry passes".to_owned(), passes(report)],
     ];
     rows.extend(report.budget.as_ref().map(budget));
+    rows.extend(effect(report));
+    rows.extend(report.shadows.as_ref().map(shadows));
     for (name, hash) in
         [("image_hash", &report.image_hash), ("fragments_hash", &report.fragments_hash)]
     {
@@ -136,6 +138,28 @@ fn budget(budget: &Budget) -> [String; 2] {
         thousands(budget.beyond)
     );
     ["memory budget".to_owned(), text]
+}
+
+/// What was made of the lists, unless it is transparency.
+fn effect(report: &Report) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    if report.effect != "oit" && !report.effect.is_empty() {
+        rows.push(["effect".to_owned(), report.effect.clone()]);
+    }
+    let open = report.open_pixels.iter();
+    rows.extend(open.map(|(name, &n)| [format!("open pixels of {name}"), thousands(n)]));
+    rows.extend(report.solid_voxels.map(|n| ["solid voxels".to_owned(), thousands(n)]));
+    rows
+}
+
+fn shadows(shadows: &ShadowReport) -> [String; 2] {
+    let ShadowReport { size, bias, generated, kept, .. } = shadows;
+    let text = format!(
+        "{size}x{size} pixels, bias {bias}, {} of {} fragments kept",
+        thousands(*kept),
+        thousands(*generated)
+    );
+    ["shadow map".to_owned(), text]
 }
 
 fn counters(report: &Report) -> Vec<Vec<String>> {

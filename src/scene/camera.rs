@@ -80,6 +80,48 @@ impl Camera {
         camera
     }
 
+    /// A parallel view from a directional light, whose unit vector `towards` points to it, that shows all of `bounds` in
+    /// a square image, with near and far planes close around it. A single point is treated as a box of unit size.
+    #[must_use]
+    pub fn of_light(bounds: Bounds, towards: DVec3) -> Self {
+        let bounds = bounds.thickened();
+        let (target, a) = (bounds.center(), towards.abs());
+        // Any axis that is not along the light will do; the one that is least so is the safest.
+        let up = match (a.x <= a.y && a.x <= a.z, a.y <= a.z) {
+            (true, _) => DVec3::X,
+            (_, true) => DVec3::Y,
+            _ => DVec3::Z,
+        };
+        let mut camera = Self {
+            eye: target + towards * bounds.diagonal(),
+            target,
+            up,
+            projection: Projection::Orthographic { height: 1.0 },
+            near: 0.0,
+            far: 1.0,
+        };
+        let [right, up, _] = camera.axes();
+        let reach = |corner: DVec3| {
+            let offset = corner - target;
+            right.dot(offset).abs().max(up.dot(offset).abs())
+        };
+        let reach = bounds.corners().into_iter().map(reach).fold(0.0, f64::max);
+        camera.projection = Projection::Orthographic { height: 2.0 * reach * MARGIN };
+        (camera.near, camera.far) = camera.planes_around(bounds);
+        camera
+    }
+
+    /// Half the width and half the height of what an image of `size` pixels shows: at distance 1 from a perspective's
+    /// eye, and everywhere with parallel rays. World units.
+    #[must_use]
+    pub fn half_extent(&self, size: [u32; 2]) -> [f64; 2] {
+        let half = match self.projection {
+            Projection::Perspective { fov_y } => half_tangent(fov_y),
+            Projection::Orthographic { height } => height * 0.5,
+        };
+        [half * (f64::from(size[0]) / f64::from(size[1])), half]
+    }
+
     /// The near and far planes that enclose `bounds`, with margin. A perspective's near plane stays in front of
     /// the eye, at 1/10,000 of the far plane's distance or farther.
     #[must_use]
@@ -140,8 +182,9 @@ impl Camera {
         Ok(())
     }
 
-    /// Right, up and back: unit vectors, or zero where `up` is parallel to the line of sight.
-    fn axes(&self) -> [DVec3; 3] {
+    /// Right, up and back: unit vectors in world space, or zero where `up` is parallel to the line of sight.
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 3] {
         let back = (self.eye - self.target).normalize_or_zero();
         let right = self.up.normalize_or_zero().cross(back);
         // The sine of the angle between them: below this, rounding decides where right is.
@@ -218,6 +261,26 @@ mod tests {
                     "{extent} {size:?}: {clip}"
                 );
                 assert!(clip.z >= 0.0 && clip.z <= clip.w, "{extent} {size:?}: {clip}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_light_sees_everything() {
+        let sides = [DVec3::Y, DVec3::X, DVec3::NEG_Z, DVec3::new(0.48, 0.6, -0.64)];
+        for (extent, towards) in [[1.0, 1.0, 1.0], [9.0, 0.0, 2.0]]
+            .iter()
+            .flat_map(|e| sides.map(|towards| (e, towards)))
+        {
+            let (min, extent) = (DVec3::splat(-2.0), DVec3::from(*extent));
+            let bounds = Bounds { min, max: min + extent };
+            let camera = Camera::of_light(bounds, towards);
+            camera.check("light").unwrap();
+            assert!((camera.axes()[2] - towards).length() < 1e-12);
+            for corner in bounds.corners() {
+                let clip = camera.view_projection([7, 7]) * corner.extend(1.0);
+                assert!(clip.x.abs() <= 1.0 && clip.y.abs() <= 1.0, "{extent} {towards}: {clip}");
+                assert!(clip.z > 0.0 && clip.z < 1.0, "{extent} {towards}: {clip}");
             }
         }
     }

@@ -11,7 +11,7 @@ use super::load::{DEFAULT_BACKGROUND, Draft, Overrides, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
 use super::{
     Bounds, Camera, Light, Material, Model, Projection, Scene, ScreenTriangle, Shading, check,
-    procedural,
+    names, procedural,
 };
 use crate::error::{Error, Result};
 
@@ -85,6 +85,7 @@ struct MaterialTable {
 
 #[derive(Clone, Debug, Deserialize)]
 struct ObjectTable {
+    name: Option<String>,
     file: Option<String>,
     procedural: Option<String>,
     material: Option<String>,
@@ -139,6 +140,7 @@ impl Description {
                 object.transform().map_err(|problem| self.wrong("object", i, &problem))?;
             let material = object.material.as_deref().and_then(|name| self.material(name));
             whole.append(model(object.source(size))?, transform, material);
+            whole.call(&object.name(i));
             if whole.triangles() > MAX_TRIANGLES {
                 return Err(self.wrong(
                     "object",
@@ -188,6 +190,8 @@ impl Description {
                 return Err(self.wrong("object", i, &format!("material: there is no {name:?}")));
             }
         }
+        let objects = table.object.iter().enumerate().map(|(i, object)| object.name(i));
+        names::check(objects).map_err(|(i, problem)| self.wrong("object", i, &problem))?;
         let mut screen = table.screen.iter().enumerate();
         screen.try_for_each(|(i, triangle)| check::screen(place, i, &triangle.triangle()))
     }
@@ -244,6 +248,11 @@ impl MaterialTable {
 }
 
 impl ObjectTable {
+    /// As written, or the letter of its place.
+    fn name(&self, index: usize) -> String {
+        self.name.clone().unwrap_or_else(|| names::letters(index))
+    }
+
     /// The file or generator; [`ObjectTable::check`] has seen that there is one.
     fn source(&self, size: [u32; 2]) -> Source<'_> {
         match (&self.file, &self.procedural) {

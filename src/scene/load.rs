@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::file::{self, Source, View};
 use super::model::{GREY, Model, read_file};
 use super::procedural::{self, Builtin};
-use super::{Bounds, Light, Material, Scene, Shading, check, gltf, obj, ply};
+use super::{Bounds, Light, Material, Scene, Shading, check, gltf, names, obj, ply};
 use crate::error::{Error, Result};
 
 /// Width and height of images where nobody says, in pixels.
@@ -46,6 +46,7 @@ pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
             let mut model = mesh_file(path)?;
             let opaque = model.materials.iter_mut().filter(|material| material.alpha >= 1.0);
             opaque.for_each(|material| material.alpha = MESH_ALPHA);
+            model.call(&names::letters(0));
             Draft::new(file_name(path), model).finish(overrides)
         }
         _ => built_in(source, overrides),
@@ -65,7 +66,10 @@ fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
         return Err(Error::new(source, problem));
     }
     let size = image_size(name, None, overrides)?;
-    let model = procedural::generate(name, &procedural::parse_keys(name, keys)?, size)?;
+    let mut model = procedural::generate(name, &procedural::parse_keys(name, keys)?, size)?;
+    for (i, object) in model.objects.iter_mut().enumerate() {
+        object.name = names::letters(i);
+    }
     Draft::new(name.to_owned(), model).finish(overrides)
 }
 

@@ -12,6 +12,7 @@ pub mod file;
 pub mod gltf;
 mod load;
 mod model;
+pub mod names;
 pub mod obj;
 pub mod ply;
 pub mod procedural;
@@ -120,9 +121,11 @@ pub enum Shading {
     Gooch,
 }
 
-/// A mesh somewhere in the world.
+/// A mesh somewhere in the world. Meshes of one name are one solid to effects that know insides from outsides.
 #[derive(Clone, Debug)]
 pub struct Object {
+    /// As effects call it; what [`names`] says makes one.
+    pub name: String,
     /// Shared, since scenes repeat meshes.
     pub mesh: Arc<Mesh>,
     /// From mesh to world space.

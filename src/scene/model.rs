@@ -48,7 +48,7 @@ impl Model {
     /// Adds a shared mesh at a place. A mesh without triangles is left out.
     pub fn add_placed(&mut self, mesh: Arc<Mesh>, transform: DMat4, material: usize) {
         if !mesh.triangles.is_empty() {
-            self.objects.push(Object { mesh, transform, material });
+            self.objects.push(Object { name: String::new(), mesh, transform, material });
         }
     }
 
@@ -57,12 +57,19 @@ impl Model {
         let offset = self.materials.len();
         self.materials.extend(other.materials);
         self.objects.extend(other.objects.into_iter().map(|object| Object {
+            name: object.name,
             transform: transform * object.transform,
             material: material.unwrap_or(offset + object.material),
             mesh: object.mesh,
         }));
         self.screen.extend(other.screen);
         self.warnings.extend(other.warnings);
+    }
+
+    /// Calls every mesh that has no name yet `name`, so that all of them are one object.
+    pub(super) fn call(&mut self, name: &str) {
+        let nameless = self.objects.iter_mut().filter(|object| object.name.is_empty());
+        nameless.for_each(|object| name.clone_into(&mut object.name));
     }
 
     /// How many triangles there are, placed ones and screen triangles together.

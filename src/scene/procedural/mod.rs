@@ -5,11 +5,13 @@
 
 mod bottles;
 mod cubes;
+mod cuboid;
 mod gears;
 mod hairball;
 mod keys;
 mod layers;
 mod shape;
+mod sphere;
 mod synthetic;
 
 use std::collections::BTreeMap;
@@ -33,13 +35,15 @@ pub struct Builtin {
     generate: fn(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model>,
 }
 
-const BUILTINS: [Builtin; 6] = [
+const BUILTINS: [Builtin; 8] = [
     synthetic::BUILTIN,
     layers::BUILTIN,
     hairball::BUILTIN,
     bottles::BUILTIN,
     gears::BUILTIN,
     cubes::BUILTIN,
+    sphere::BUILTIN,
+    cuboid::BUILTIN,
 ];
 
 /// All procedural scenes.

@@ -1,0 +1,102 @@
+//! The frame from the light: the same scene, method and executor, seen along the light.
+
+use super::{Exec, Options, Report, ShadowReport, Sim};
+use crate::effect::Effect;
+use crate::effect::lens::Lens;
+use crate::effect::shadow::{self, ShadowMap};
+use crate::error::{Error, Result};
+use crate::fragment::Data;
+use crate::raster::CullFace;
+use crate::scene::{Bounds, Camera, Scene, Shading};
+use crate::scheme::Contract;
+
+/// A shadow map and how it came about, or nothing.
+#[derive(Default)]
+pub(super) struct Shadow {
+    pub(super) map: Option<ShadowMap>,
+    pub(super) outcome: Option<Outcome>,
+}
+
+/// What the frame from the light adds to the view's report.
+pub(super) struct Outcome {
+    report: ShadowReport,
+    deterministic: Vec<String>,
+    violations: Vec<String>,
+}
+
+/// Draw the shadow map, if `options` ask for shadows.
+pub(super) fn draw(
+    scene: &Scene,
+    options: &Options,
+    contract: &'static Contract,
+    threads: usize,
+) -> Result<Shadow> {
+    let Some(asked) = options.shadows else { return Ok(Shadow::default()) };
+    if scene.objects.is_empty() {
+        let problem = format!(
+            "{} has no objects, only triangles given in pixels, which have no place in the light",
+            scene.name
+        );
+        return Err(Error::new("--shadows", problem));
+    }
+    let size = asked.size.unwrap_or(scene.size[0].max(scene.size[1]));
+    let camera = Camera::of_light(Bounds::of(&scene.objects), scene.light.towards);
+    camera.check("--shadows")?;
+    let bias = asked.bias.unwrap_or_else(|| shadow::default_bias(&camera, size));
+    let drawn = super::draw(&lit(scene, camera, size), &plain(options), contract, threads)?;
+    let report = ShadowReport {
+        size,
+        bias,
+        generated: drawn.report.generated,
+        kept: drawn.report.kept,
+        fragments_hash: drawn.report.fragments_hash,
+    };
+    let (deterministic, violations) = (drawn.report.deterministic, drawn.report.violations);
+    let format = options.depth_format.or(contract.depth_format).unwrap_or_default();
+    let view = Lens::new(&scene.camera, scene.size, format);
+    let map = ShadowMap::new(view, &camera, format, drawn.lists, bias);
+    let outcome = Outcome { report, deterministic, violations };
+    Ok(Shadow { map: Some(map), outcome: Some(outcome) })
+}
+
+/// The scene as the light sees it: unlit colours, and nothing that has no place in the world.
+fn lit(scene: &Scene, camera: Camera, size: u32) -> Scene {
+    let mut scene = Scene { camera, size: [size; 2], ..scene.clone() };
+    scene.materials.iter_mut().for_each(|material| material.shading = Shading::Flat);
+    scene.screen.clear();
+    scene
+}
+
+/// The options of a frame that is drawn for its lists of colours.
+fn plain(options: &Options) -> Options {
+    let mut plain = Options {
+        data: Data::Color,
+        cull_face: CullFace::None,
+        effect: Effect::Transparency,
+        shadows: None,
+        ..options.clone()
+    };
+    if let Exec::Sim(Sim { watch, .. }) = &mut plain.exec {
+        *watch = None;
+    }
+    plain
+}
+
+impl Outcome {
+    /// What depends on the map is as sure as the map is.
+    pub(super) fn add_to(self, report: &mut Report) {
+        if !self.deterministic.iter().any(|field| field == "fragments_hash") {
+            report.deterministic.retain(|field| !field.ends_with("_hash"));
+        }
+        let missing = self.report.generated.saturating_sub(self.report.kept);
+        if missing > 0 {
+            report.warnings.push(format!(
+                "shadows: {} did not keep {missing} of {} fragments that the light sees, which throw none",
+                report.method, self.report.generated
+            ));
+        }
+        let violations = self.violations.into_iter();
+        report.violations.extend(violations.map(|violation| format!("shadows: {violation}")));
+        report.shadows = Some(self.report);
+    }
+}
