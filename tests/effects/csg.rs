@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use fragloom::effect::csg::{Expression, walk};
 use fragloom::render::{Data, Effect, Lists, Options, Rendering};
-use fragloom::scene::{Bounds, Object, Scene};
+use fragloom::scene::{Bounds, Camera, Object, Scene};
 use glam::{DMat4, DVec3};
 use proptest::prelude::*;
 
 use super::support::{draw, options, scene};
-use super::{effect, model, runs, srgb};
+use super::{effect, model, runs, srgb, toml};
 
 /// An expression as a test writes it.
 #[derive(Clone, Debug)]
@@ -214,6 +214,7 @@ fn beside(model: Option<Scene>, shape: &str, share: f64) -> Option<Scene> {
         transform,
         material: 0,
     });
+    whole.camera = Camera::frame(Bounds::of(&whole.objects), whole.size);
     Some(whole)
 }
 
@@ -252,27 +253,29 @@ fn every_method_and_executor_gives_the_same() {
 /// Negative controls: a difference that is drawn as a union; equal depths that are taken one after another.
 #[test]
 fn wrong_walkers_are_seen() {
-    let scene = scene("cubes:sides=24", [56, 48]);
-    let (names, of) = objects(&scene);
-    let tree = *Tree::of('-', Tree::object(0), Tree::object(3));
-    let text = tree.text(&names);
-    let union = render(&scene, &text.replace('-', "|")).surfaces.expect("surfaces");
-    assert!(differing(&scene, &tree, &union) > 100);
+    // Two boxes with one front, seen straight on.
+    let scene = toml(
+        "size = [32, 32]\n[camera]\neye = [0.0, 0.0, 5.0]\ntarget = [0.0, 0.0, 0.0]\northo_height = 4.0\n\
+         [[object]]\nprocedural = \"box\"\nx = 2.0\ny = 2.0\nz = 2.0\n\
+         [[object]]\nprocedural = \"box\"\ntranslate = [0.0, 0.0, 0.5]\n",
+    );
+    let tree = *Tree::of('-', Tree::object(0), Tree::object(1));
+    let surfaces = |text: &str| render(&scene, text).surfaces.expect("surfaces");
+    assert_eq!(differing(&scene, &tree, &surfaces("a - b")), 0);
+    assert_eq!(differing(&scene, &tree, &surfaces("a | b")), 8 * 8, "the hole is filled");
 
-    let one_by_one = |lists: &Lists| {
-        let expression = Expression::parse(&text).expect("right");
-        lists.cut(|keys| {
-            let mut inside = 0;
-            keys.retain(|&key| {
-                let before = expression.evaluate(inside);
-                let bit = ["a", "d"].iter().position(|name| *name == names[of(key as u32)]);
-                inside ^= bit.map_or(0, |bit| 1 << bit);
-                expression.evaluate(inside) != before
-            });
-        })
-    };
+    let expression = Expression::parse("a - b").expect("right");
+    let (_, of) = objects(&scene);
     let exact = draw(&scene, &Options { data: Data::Primitive, ..options("exact", None) }).lists;
-    assert!(differing(&scene, &tree, &one_by_one(&exact)) > 20, "slivers on the common floor");
+    let one_by_one = exact.cut(|keys| {
+        let mut inside = 0;
+        keys.retain(|&key| {
+            let before = expression.evaluate(inside);
+            inside ^= 1 << of(key as u32);
+            expression.evaluate(inside) != before
+        });
+    });
+    assert_eq!(differing(&scene, &tree, &one_by_one), 8 * 8, "a sliver of a before the hole");
 }
 
 #[test]

@@ -18,7 +18,7 @@ struct Pane {
 }
 
 const RED: Pane = Pane { color: [0.9, 0.2, 0.1], alpha: 0.5, at: [0.0, 1.0, 0.0] };
-const BLUE: Pane = Pane { color: [0.1, 0.3, 1.0], alpha: 0.3, at: [0.5, 2.0, 0.5] };
+const BLUE: Pane = Pane { color: [0.1, 0.3, 1.0], alpha: 0.3, at: [1.0, 2.0, 0.5] };
 const BLACK: Pane = Pane { color: [0.5, 0.5, 0.5], alpha: 1.0, at: [0.0, 1.5, -0.5] };
 
 /// A floor at y = 0 seen from straight above, with panes over it.
