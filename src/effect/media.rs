@@ -5,8 +5,8 @@
 //! that overlap count once, a cavity is empty, and it does not matter which way a mesh is wound. The thickness d is the
 //! distance along the ray between the two, in world units (`lens`).
 //!
-//! A medium of colour c and opacity a transmits, per channel and world unit, t = (1 - a) (1 - a (1 - c)): what passes, 1
-//! - a, is filtered by the colour as strongly as the matter is dense. By the law of Beer and Lambert it transmits
+//! A medium of colour c and opacity a transmits, per channel and world unit, t = (1 - a) (1 - a (1 - c)): of what passes,
+//! the share 1 - a, the colour filters as much as the matter is dense. By the law of Beer and Lambert it transmits
 //! exp(-sigma d) with sigma = -ln(t) * density; several media on a ray, also in each other, multiply: the sums of sigma d
 //! are taken in the order in which objects are left. The colour is the background's, or that of the first opaque surface
 //! (opacity byte 255), times the transmittance, which is rounded to 16 bits: (T L + 32,767) / 65,535. Logarithm and

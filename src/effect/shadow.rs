@@ -1,8 +1,8 @@
 //! Translucent shadows: the lists of a frame seen from the light are a shadow map (HA-buffer paper, section 6.2).
 //!
 //! A surface of linear colour c and opacity a, both bytes, transmits (1 - a) (1 - a (1 - c)) of the light, per channel:
-//! what passes, 1 - a, is filtered by its unlit colour as strongly as it is opaque, so glass throws coloured shadows and
-//! an opaque surface black ones. Transmittances multiply from the light on, each rounded to 16 bits: T = (T (255 - a)
+//! of what passes, the share 1 - a, its unlit colour filters as much as it is opaque, so that glass throws coloured
+//! shadows and an opaque surface black ones. Transmittances multiply from the light on, each rounded to 16 bits: T = (T (255 - a)
 //! (65,025 - a (255 - c)) + 8,290,687) / 16,581,375.
 //!
 //! A point of the view is in the shadow of what its pixel of the map holds at a distance from the light below the point's
