@@ -8,6 +8,9 @@
 //! A point of the view is in the shadow of what its pixel of the map holds at a distance from the light below the point's
 //! own minus a bias, in world units; the bias keeps a surface from shadowing itself, since the map knows it only at its
 //! pixels' centres. Points outside of the map are lit.
+//!
+//! The map of a Boolean combination (`csg`) has its surfaces only, which are opaque. Other effects take the shadows of
+//! all surfaces; media throw those of their faces, whatever their thickness.
 
 use super::lens::Lens;
 use crate::fragment::{data_of, depth_of};

@@ -1,13 +1,14 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
 mod budget;
+mod effects;
 mod limits;
 mod options;
 mod report;
 mod shadows;
 
 use crate::effect::ldi::Voxels;
-use crate::effect::{self, Made, Stage};
+use crate::effect::{Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
@@ -122,17 +123,12 @@ fn draw(
     let (lists, composited) = executed.frame.assemble(&grid);
     watch.lap("assemble");
     let stage = Stage { scene, front: &front, format: job.record.depth, lists: &lists };
-    let Made { image, surfaces, voxels, open, warnings } = effect::make(&options.effect, &stage)?;
+    let mut report = account(scene, contract, &front, &executed);
+    let Made { image, surfaces, voxels, .. } = effects::make(&options.effect, &stage, &mut report)?;
     let image = image.unwrap_or(composited);
     if options.effect != Effect::Transparency {
         watch.lap("effect");
     }
-    let mut report = account(scene, contract, &front, &executed);
-    report.effect = options.effect.name().to_owned();
-    report.warnings.extend(incomplete(options, &report));
-    report.warnings.extend(warnings);
-    report.open_pixels = open;
-    report.solid_voxels = voxels.as_ref().map(Voxels::solid);
     shadow.outcome.into_iter().for_each(|outcome| outcome.add_to(&mut report));
     report.budget = chosen;
     report.k = match contract.keeps {
@@ -148,19 +144,6 @@ fn draw(
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
     Ok(Rendering { image, lists, surfaces, voxels, report, schedule, watched })
-}
-
-/// That an effect which walks through solids has not seen all of their faces.
-fn incomplete(options: &Options, report: &Report) -> Option<String> {
-    let missing = report.generated.saturating_sub(report.kept);
-    let [effect, method] = [options.effect.name(), &report.method];
-    (missing > 0 && options.effect.needs_solids()).then(|| {
-        format!(
-            "{effect}: {method} did not keep {missing} of {} fragments, so what lies behind them may be \
-             wrong, and closed objects may seem open",
-            report.generated
-        )
-    })
 }
 
 /// What the method must know of the scene, measured only if it must; and the fragments before each tile.

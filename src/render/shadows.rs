@@ -10,6 +10,9 @@ use crate::raster::CullFace;
 use crate::scene::{Bounds, Camera, Scene, Shading};
 use crate::scheme::Contract;
 
+/// The opacity of a colour word.
+const OPAQUE: u64 = 0xFF00_0000;
+
 /// A shadow map and how it came about, or nothing.
 #[derive(Default)]
 pub(super) struct Shadow {
@@ -54,7 +57,12 @@ pub(super) fn draw(
     let (deterministic, violations) = (drawn.report.deterministic, drawn.report.violations);
     let format = options.depth_format.or(contract.depth_format).unwrap_or_default();
     let view = Lens::new(&scene.camera, scene.size, format);
-    let map = ShadowMap::new(view, &camera, format, drawn.lists, bias);
+    // What is cut away throws no shadow, and what is left is opaque.
+    let lists = match drawn.surfaces {
+        Some(surfaces) => surfaces.cut(|keys| keys.iter_mut().for_each(|key| *key |= OPAQUE)),
+        None => drawn.lists,
+    };
+    let map = ShadowMap::new(view, &camera, format, lists, bias);
     let outcome = Outcome { report, deterministic, violations };
     Ok(Shadow { map: Some(map), outcome: Some(outcome) })
 }
@@ -67,15 +75,14 @@ fn lit(scene: &Scene, camera: Camera, size: u32) -> Scene {
     scene
 }
 
-/// The options of a frame that is drawn for its lists of colours.
+/// The options of a frame that is drawn for its lists of colours, or for the surfaces of a Boolean combination.
 fn plain(options: &Options) -> Options {
-    let mut plain = Options {
-        data: Data::Color,
-        cull_face: CullFace::None,
-        effect: Effect::Transparency,
-        shadows: None,
-        ..options.clone()
+    let (effect, data) = match &options.effect {
+        csg @ Effect::Csg(_) => (csg.clone(), Data::Primitive),
+        _ => (Effect::Transparency, Data::Color),
     };
+    let mut plain =
+        Options { data, cull_face: CullFace::None, effect, shadows: None, ..options.clone() };
     if let Exec::Sim(Sim { watch, .. }) = &mut plain.exec {
         *watch = None;
     }

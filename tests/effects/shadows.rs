@@ -1,6 +1,7 @@
 //! The colours of a floor below panes of glass.
 
-use fragloom::render::{CullFace, Data, Options, Shadows};
+use fragloom::effect::csg::Expression;
+use fragloom::render::{CullFace, Data, Effect, Options, Shadows};
 use fragloom::scene::{Scene, Shading};
 use glam::DVec3;
 
@@ -178,4 +179,29 @@ fn surfaces_do_not_shadow_themselves() {
     let apart = without.keys.iter().zip(&with.keys).filter(|(a, b)| a != b).count();
     // The outer tenth of the radius is met at more than 64 degrees.
     assert!(apart * 10 < without.keys.len(), "{apart} of {}", without.keys.len());
+}
+
+/// A box over the floor throws a shadow, unless another box cuts it away.
+#[test]
+fn what_is_cut_away_throws_no_shadow() {
+    let mut scene = floor(STRAIGHT, &[]);
+    // Straight light, seen obliquely.
+    scene.camera.eye = DVec3::new(0.0, 5.0, 4.0);
+    for (name, place, [edge, height]) in
+        [("table", -0.5, [8.0, 0.9]), ("block", 1.0, [1.0, 0.9]), ("knife", 1.0, [1.5, 1.2])]
+    {
+        let source = format!("box:x={edge},y={height},z={edge}");
+        let mut object = self::scene(&source, [8, 8]).objects.remove(0);
+        object.name = name.to_owned();
+        object.transform = glam::DMat4::from_translation(DVec3::new(0.0, place, 0.0));
+        scene.objects.push(object);
+    }
+    (scene.camera.near, scene.camera.far) = (-10.0, 20.0);
+    let image = |text: &str, shadows| {
+        let effect = Effect::Csg(Expression::parse(text).expect("right"));
+        draw(&scene, &Options { shadows, ..super::effect("ab-ll", effect) }).image
+    };
+    let shadows = Some(Shadows::default());
+    assert_eq!(image("table | block - knife", shadows), image("table", None));
+    assert_ne!(image("table | block", shadows), image("table | block", None));
 }
