@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use fragloom::explore::{Limits, Plan, Subject, Verdict, check};
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Update, Words};
-use fragloom::scheme::contract::{Demand, Form, Keeps, Program};
+use fragloom::scheme::contract::Demand;
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The end of a list.
@@ -29,28 +29,15 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
         name: if BROKEN { "cas-list@broken" } else { "cas-list" },
         title: "A-buffer in per-pixel lists, pushed by compare-exchange",
         paper: "Treiber 1986",
-        section: "",
-        form: Form::Correct,
-        program: Program::STORE,
-        words: "1, and 3F + 1 for the frame",
-        frame_words: "0",
-        published_words: None,
-        keeps: Keeps::All,
+        words: "1",
+        frame_words: "3F + 1",
         exact_when: "the pool holds F nodes",
-        arrival_dependent: false,
-        racy: false,
-        judged: false,
-        ties: "all kept",
         overflow: "drop, counted",
         needs: "32-bit atomic add and compare-exchange, relaxed",
         wgsl: Some("storage buffers; atomicAdd, atomicCompareExchangeWeak"),
-        depth_format: None,
-        default_k: None,
-        max_k: u32::MAX,
         demand: Demand::Generated,
-        page: 1,
-        interlock: false,
         source: include_str!("user_scheme.rs"),
+        ..Contract::BASE_ALL
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {

@@ -77,11 +77,14 @@ pub struct Packet {
 }
 
 /// The 32-bit word stored with a depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Data {
     /// Linear RGBA8.
     #[default]
     Color,
     /// The global triangle index; the colour is looked up at resolve.
     Primitive,
+    /// 0: depth is all that is stored.
+    Nothing,
 }

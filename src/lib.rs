@@ -4,7 +4,7 @@
 //! (`tests/layering.rs` checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `effect` → `render` → `explore` → `report` → `cli`
+//! `effect` → `render` → `explore` → `report` → `reproduce` → `cli`
 
 pub mod cli;
 pub mod effect;
@@ -18,6 +18,7 @@ pub mod num;
 pub mod raster;
 pub mod render;
 pub mod report;
+pub mod reproduce;
 pub mod resolve;
 pub mod scene;
 pub mod scheme;

@@ -229,3 +229,71 @@ fn a_method_that_loses_fragments_is_found() {
     assert_eq!((&rows[0]["lists_equal"], &rows[1]["lists_equal"]), (&false.into(), &true.into()));
     assert!(dir.names().is_empty(), "without -o nothing is written");
 }
+
+#[test]
+fn a_camera_goes_around_and_tables_follow() {
+    let dir = Dir::new();
+    let line = "render cubes --size 64x48 -m ha64 --frames 4 --json";
+    let run = dir.run(&format!("{line} -o turn.png"));
+    assert_eq!(run.code, 0, "{run:?}");
+    let frames = run.json();
+    let frames = frames.as_array().unwrap();
+    assert_eq!(frames.len(), 4);
+    assert_eq!(dir.names(), ["turn-0000.png", "turn-0001.png", "turn-0002.png", "turn-0003.png"]);
+    let cells = |frame: &Value| {
+        let edge = |name: &str| frame["table"][name].as_u64().unwrap();
+        edge("width") * edge("height")
+    };
+    assert_eq!(cells(&frames[0]), 64 * 48, "it begins with the screen");
+    for pair in frames.windows(2) {
+        let (load, before, after) =
+            (pair[0]["table"]["load"].as_f64().unwrap(), cells(&pair[0]), cells(&pair[1]));
+        let grows = load >= 80.0;
+        assert_eq!(after > before, grows, "{load} {before} {after}");
+    }
+    let hashes: Vec<&Value> = frames.iter().map(|frame| &frame["image_hash"]).collect();
+    assert!(hashes.windows(2).all(|pair| pair[0] != pair[1]), "the view changes");
+    frames.iter().for_each(balances);
+    assert!(frames[0]["dropped"].as_object().unwrap().contains_key("full"), "one frame of latency");
+
+    let frames = dir.run(&format!("{line} --resize at-once")).json();
+    for frame in frames.as_array().unwrap() {
+        assert_eq!(frame["generated"], frame["kept"], "nothing is lost");
+    }
+    assert!(frames[0]["retries"].as_u64().unwrap() > 0);
+    assert_eq!(frames[1]["frame"], 1);
+    let table = dir.run("render cubes --size 64x48 -m ha64 --frames 2").stdout;
+    assert!(table.contains("cells") && table.contains("retries"), "{table}");
+    let other = dir.run("render cubes --size 64x48 -m ab-ll --frames 2 --json").json();
+    assert!(other[0].get("table").is_none());
+    dir.run("render cubes --size 64x48 -m ha64 --age-limit 2 --frames 1 --resize at-once")
+        .is_error(&["--age-limit", "frame 0"]);
+}
+
+#[test]
+fn experiments_write_tables_and_plots() {
+    let dir = Dir::new();
+    let run = dir.run("reproduce ha-table1 ha-fig8 --edge 32 --repeats 1 -o .");
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(run.stdout.contains("21 of 21 printed values"), "{run:?}");
+    assert_eq!(dir.names(), ["ha-fig8.csv", "ha-fig8.svg", "ha-table1.csv"]);
+    assert!(String::from_utf8(dir.read("ha-fig8.svg")).unwrap().contains("<polyline"));
+    assert_eq!(String::from_utf8(dir.read("ha-table1.csv")).unwrap().lines().count(), 22);
+    let json = dir.run("reproduce ha-table1 --json").json();
+    assert_eq!(json[0]["experiment"], "ha-table1");
+    assert_eq!(json[0]["rows"].as_array().unwrap().len(), 21);
+}
+
+#[test]
+fn methods_with_tables_agree_with_the_reference() {
+    let dir = Dir::new();
+    let methods = "ha64,ha32,ha64-multiset,hash-coherent,ha64-cull";
+    for exec in ["tile", "threads", "sim"] {
+        let run = dir.run(&format!("compare cubes --size 40x30 --exec {exec} -m {methods} --json"));
+        assert_eq!(run.code, 0, "{exec} {run:?}");
+    }
+    let run = dir.run("compare cubes --size 40x30 -m ha64@published");
+    assert_eq!(run.code, 1, "{run:?}");
+    let warned = dir.run("render cubes --size 40x30 -m ab-ll --load 80");
+    assert!(warned.stderr.contains("--load has no effect"), "{warned:?}");
+}

@@ -14,12 +14,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fragloom::exec::drive::{Pipeline, complete};
-use fragloom::fragment::Fragment;
+use fragloom::fragment::{Data, Fragment};
 use fragloom::memory::{Access, Layout, Memory, Order, Pixel, Plain, Words};
+use fragloom::raster::Grid;
 use fragloom::resolve::sort;
 use fragloom::scheme::ab_array::{AbArray, AtomicAdd, LoadStore};
 use fragloom::scheme::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
 use fragloom::scheme::ab_ll_paged::AbPagedList;
+use fragloom::scheme::contract::Kind;
+use fragloom::scheme::ha::{self, Bits32, Bits64, HaBuffer};
+use fragloom::scheme::hash::{Offsets, Settings};
 use fragloom::scheme::kb_ll::{self, KNearestList};
 use fragloom::scheme::kb_mdt64::KbMdt64;
 use fragloom::scheme::kplus_array::{Correct, KPlusArray, Variant, faults};
@@ -68,7 +72,10 @@ fn insertion<S: Scheme + Send + 'static>(
     patience: u32,
 ) -> impl Fn() + Sync + Send + 'static {
     let all: Vec<Vec<Fragment>> = {
-        let flat = fragments(&groups.concat());
+        let mut flat = fragments(&groups.concat());
+        if S::CONTRACT.data == Some(Data::Nothing) {
+            flat.iter_mut().for_each(|fragment| fragment.data = 0);
+        }
         let mut rest = flat.as_slice();
         let take = |group: &&[u32]| {
             let (head, tail) = rest.split_at(group.len());
@@ -77,7 +84,8 @@ fn insertion<S: Scheme + Send + 'static>(
         };
         groups.iter().map(take).collect()
     };
-    let expected = exact::pixel(&all.concat(), S::CONTRACT.reference_k(config.k));
+    let mut expected = exact::pixel(&all.concat(), S::CONTRACT.reference_k(config.k));
+    S::CONTRACT.keep(&mut expected, config.k);
     move || {
         let mut layout = Layout::default();
         let scheme = Arc::new(S::new(&config, &mut layout));
@@ -85,6 +93,12 @@ fn insertion<S: Scheme + Send + 'static>(
         let mem = Loom::new(&storage, patience);
         Pipeline::clear_frame(&*scheme, &mem);
         Pipeline::clear(&*scheme, &mem, 0..1);
+        for (number, pass) in S::CONTRACT.program.passes.iter().enumerate() {
+            if pass.kind == Kind::Frame {
+                let all = 0..Pipeline::<Loom<'_>>::invocations(&*scheme, number);
+                Pipeline::frame(&*scheme, &mem, number, all);
+            }
+        }
         let spawn = |group: Vec<Fragment>| {
             let (scheme, storage) = (scheme.clone(), storage.clone());
             loom::thread::spawn(move || store(&*scheme, &storage, &group, patience))
@@ -107,7 +121,15 @@ fn store<S: Scheme>(scheme: &S, storage: &Storage, group: &[Fragment], patience:
 }
 
 fn k(k: u32) -> Config {
-    Config { k: Some(k), pixels: 1, generated: 8, max_depth_complexity: 8, bounded: 8, pages: 8 }
+    Config {
+        k: Some(k),
+        pixels: 1,
+        generated: 8,
+        max_depth_complexity: 8,
+        bounded: 8,
+        pages: 8,
+        ..Config::default()
+    }
 }
 
 /// Holds, in at least `floor` executions.
@@ -299,4 +321,35 @@ fn a_list_by_compare_exchange_loses_nothing() {
     holds("list by CAS, 2x1", 10, insertion::<CasList<false>>(k(1), &[&[5], &[3]], 2));
     holds("list by CAS, 2x2", 100, insertion::<CasList<false>>(k(1), &[&[5, 1], &[3, 2]], 2));
     is_caught("list by CAS, broken", insertion::<CasList<true>>(k(1), &[&[5], &[3]], 2));
+}
+
+/// One pixel on a table of so many cells in a row, whose offsets are 0, 1, 2, ... round and round.
+fn hashed(cells: u32, ages: u32) -> Config {
+    let base = u64::from(cells);
+    let seed = (0..ages).rev().fold(0, |seed, age| seed * base + u64::from(age) % base);
+    let hash =
+        Settings { size: [cells, 1], ages, offsets: Offsets::Digits, seed, ..Settings::default() };
+    Config { grid: Grid { width: 1, height: 1, tile: 16 }, hash, ..k(1) }
+}
+
+#[test]
+fn the_hash_table_loses_nothing() {
+    let two = insertion::<HaBuffer<Bits64>>(hashed(4, 4), &[&[5, 2], &[3]], 1);
+    holds("ha64, 2 and 1", 20, two);
+    holds(
+        "ha64, 2 and 2",
+        100,
+        insertion::<HaBuffer<Bits64>>(hashed(4, 4), &[&[5, 2], &[3, 4]], 1),
+    );
+    holds("ha64, alike", 5, insertion::<HaBuffer<Bits32>>(hashed(3, 3), &[&[5], &[5], &[4]], 1));
+    holds("ha64, three", 100, insertion::<HaBuffer<Bits64>>(hashed(4, 4), &[&[5], &[2], &[3]], 1));
+}
+
+#[test]
+fn faults_of_the_hash_table_are_caught() {
+    type Faulty<V> = HaBuffer<Bits64, V>;
+    let groups: &[&[u32]] = &[&[5, 2], &[3]];
+    is_caught("load-store", insertion::<Faulty<ha::LoadStore>>(hashed(4, 4), groups, 1));
+    is_caught("no-reinsert", insertion::<Faulty<ha::NotReinserted>>(hashed(4, 4), groups, 1));
+    is_caught("max-age", insertion::<Faulty<ha::AgeUntold>>(hashed(4, 4), groups, 1));
 }

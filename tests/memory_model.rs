@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use fragloom::explore::{Device, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore};
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Update, Words};
-use fragloom::scheme::contract::{self, Demand, Form, Keeps};
+
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The models, in the order of the table's columns.
@@ -572,29 +572,10 @@ impl Scheme for Threads {
     const CONTRACT: Contract = Contract {
         name: "threads",
         title: "Threads of a litmus program",
-        paper: "",
-        section: "",
-        form: Form::Correct,
-        program: contract::Program::STORE,
-        words: "",
-        frame_words: "0",
-        published_words: None,
-        keeps: Keeps::All,
         exact_when: "",
         arrival_dependent: true,
         racy: true,
-        judged: false,
-        ties: "",
-        overflow: "",
-        needs: "",
-        wgsl: None,
-        depth_format: None,
-        default_k: None,
-        max_k: u32::MAX,
-        demand: Demand::Nothing,
-        page: 1,
-        interlock: false,
-        source: "",
+        ..Contract::BASE_ALL
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
@@ -670,6 +651,7 @@ fn observe(number: usize, memory: MemoryModel) -> Observed {
         room: threads,
         fragments: (0..threads).map(|t| (0, t, t)).collect(),
         helpers: 0,
+        table: None,
     };
     let device = Device { memory, warp: None };
     let limits = Limits { states: 2_000_000, cancelled: &|| false };

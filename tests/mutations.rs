@@ -137,8 +137,15 @@ impl Visitor for Pixel<'_> {
 }
 
 fn pixel(method: &str, generated: u64, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys) {
-    let config =
-        Config { k: Some(2), pixels: 1, generated, max_depth_complexity: 2, bounded: 2, pages: 8 };
+    let config = Config {
+        k: Some(2),
+        pixels: 1,
+        generated,
+        max_depth_complexity: 2,
+        bounded: 2,
+        pages: 8,
+        ..Config::default()
+    };
     catalogue::visit(method, Pixel { config, fragments }).expect("a method")
 }
 

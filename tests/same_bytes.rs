@@ -88,7 +88,8 @@ fn a_recorded_schedule_runs_again_exactly() {
     for method in ["kb", "kplus-array", "kplus-array@published", "ab-ll", "ab-array@plain-counter"]
     {
         for policy in [Policy::Random, Policy::Warp(4), Policy::RoundRobin] {
-            let recording = Sim { policy, seed: 9, resident: 64, record: true, watch: None };
+            let recording =
+                Sim { policy, seed: 9, resident: 64, record: true, watch: None, check: false };
             let base = options(method, Some(3));
             let first =
                 draw(&scene, &Options { exec: Exec::Sim(recording.clone()), ..base.clone() });

@@ -72,13 +72,13 @@ fn a_damaged_token_is_refused() {
 #[test]
 fn what_is_no_token_says_why() {
     let token = &tokens()[0];
-    let version = token.replacen("fl1-", "fl9-", 1);
+    let version = token.replacen("fl2-", "fl9-", 1);
     assert!(reason(&version).contains("version 9"), "{}", reason(&version));
-    assert!(reason("fl1-").contains("damaged"));
+    assert!(reason("fl2-").contains("damaged"));
     assert!(reason(&token[..token.len() - 1]).contains("damaged"));
     for text in ["", "-", "fl", "fl-", "flx-abc", "kb.schedule", "fl1", &token[4..]] {
         assert!(
-            reason(text).contains("begins with fl1-") || reason(text).contains("version"),
+            reason(text).contains("begins with fl2-") || reason(text).contains("version"),
             "{text}"
         );
     }
@@ -111,9 +111,9 @@ proptest! {
     #[test]
     fn garbage_is_refused(text in ".*", body in "[A-Za-z0-9_-]{0,200}", bytes: Vec<u8>) {
         prop_assert!(text.parse::<Token>().is_err(), "{:?}", text);
-        let body = format!("fl1-{body}");
+        let body = format!("fl2-{body}");
         prop_assert!(body.parse::<Token>().is_err(), "{:?}", body);
-        let bytes = format!("fl1-{}", String::from_utf8_lossy(&bytes));
+        let bytes = format!("fl2-{}", String::from_utf8_lossy(&bytes));
         prop_assert!(bytes.parse::<Token>().is_err(), "{:?}", bytes);
     }
 }

@@ -17,10 +17,10 @@ use super::{Verdict, catalogue, say, wait};
 use crate::error::{Error, Result};
 use crate::image::{difference, png, sheet};
 use crate::num::depth::Format;
-use crate::render::{Exec, Options, Rendering, render};
+use crate::render::{Data, Exec, Options, Rendering, render};
 use crate::report::{files, json};
 use crate::scene::{self, Scene};
-use crate::scheme::{Contract, Form, contracts};
+use crate::scheme::{Contract, Form, Keeps, contracts};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -111,8 +111,8 @@ struct Session {
     /// Those of every row.
     warnings: Vec<String>,
     quiet: bool,
-    /// By the reference's k; `None` is all fragments.
-    references: BTreeMap<Option<u32>, Rendering>,
+    /// By the reference's k (`None` is all fragments) and data word.
+    references: BTreeMap<(Option<u32>, Data), Rendering>,
 }
 
 impl Session {
@@ -120,13 +120,21 @@ impl Session {
         let options = Options { method: method.name.to_owned(), ..self.options.clone() };
         let drawn = self.draw(&options)?;
         let k = self.held_to(method, drawn.report.k);
-        self.prepare(None)?;
-        self.prepare(k)?;
-        let (all, same) = (&self.references[&None], &self.references[&k]);
+        let data = method.data.unwrap_or(self.options.data);
+        self.prepare(None, data)?;
+        self.prepare(k, data)?;
+        let (all, same) = (&self.references[&(None, data)], &self.references[&(k, data)]);
         let mut row = Row::new(method.name, &self.options.method, k, &drawn);
         row.warnings.retain(|warning| !self.warnings.contains(warning));
         row.warnings.splice(..0, self.warnings.iter().cloned());
-        row.lists_equal = drawn.lists == same.lists;
+        row.lists_equal = match method.keeps {
+            // What may be missing was judged by the run itself, fragment by fragment.
+            Keeps::Visible => drawn.report.violations.is_empty(),
+            _ if method.identical => drawn.lists == same.lists,
+            _ => drawn.lists == same.lists.cut(Vec::dedup),
+        };
+        row.may_look_different =
+            method.keeps == Keeps::Visible || drawn.report.dropped.contains_key("duplicate");
         row.from_reference = difference::measure(&same.image, &drawn.image)?;
         row.from_all = difference::measure(&all.image, &drawn.image)?;
         if let Some(folder) = folder {
@@ -147,13 +155,14 @@ impl Session {
 
     /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it. A budget is for
     /// the methods.
-    fn prepare(&mut self, k: Option<u32>) -> Result<()> {
-        let options = Options { k, exec: Exec::Tile, memory_budget: None, ..self.options.clone() };
-        if self.references.contains_key(&k) {
+    fn prepare(&mut self, k: Option<u32>, data: Data) -> Result<()> {
+        let exec = Exec::Tile;
+        let options = Options { k, exec, data, memory_budget: None, ..self.options.clone() };
+        if self.references.contains_key(&(k, data)) {
             return Ok(());
         }
         let drawn = self.draw(&options)?;
-        if let Entry::Vacant(place) = self.references.entry(k) {
+        if let Entry::Vacant(place) = self.references.entry((k, data)) {
             place.insert(drawn);
         }
         Ok(())

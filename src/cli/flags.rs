@@ -54,8 +54,8 @@ pub(super) struct Drawing {
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(super) depth_format: Option<DepthFormat>,
 
-    /// The 32-bit word stored with a depth: RGBA8, or the global triangle index [default: color; primitive where the
-    /// effect must know a fragment's object]
+    /// The 32-bit word stored with a depth: RGBA8, the global triangle index, or none, 0 [default: color; primitive where
+    /// the effect must know a fragment's object; the method's own, where it has room for no other]
     #[arg(long, value_enum, value_name = "WORD")]
     pub(super) data: Option<Data>,
 
@@ -67,6 +67,37 @@ pub(super) struct Drawing {
     /// depth-complexity histogram; or the largest pool, where storage does not depend on k [default: no budget]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
     pub(super) memory_budget: Option<String>,
+
+    /// Size of a hash table: the share of its cells that fragments shall fill, 1 to 100 per cent. It is never smaller than
+    /// the image on either axis [default: 50]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    pub(super) load: Option<u32>,
+
+    /// Size of a hash table in cells, instead; at least the image's size on each axis [default: as --load asks
+    /// for]
+    #[arg(long, value_name = "WxH")]
+    pub(super) table: Option<String>,
+
+    /// Which cells a hash table's ages lead to: independent random offsets, or each the farthest from all before
+    #[arg(long, value_enum, value_name = "OFFSETS", default_value = "random")]
+    pub(super) offsets: Offsets,
+
+    /// Seed of the offsets, 64 bits
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    pub(super) offset_seed: u64,
+
+    /// Largest age of a record in a hash table, 1 to 255
+    #[arg(long, value_name = "N", default_value_t = 255, allow_negative_numbers = true)]
+    pub(super) age_limit: u32,
+
+    /// Early culling: opacity above which nothing behind is stored, 0 to 1
+    #[arg(long, value_name = "OPACITY", default_value_t = 0.99, allow_negative_numbers = true)]
+    pub(super) cull_threshold: f64,
+
+    /// With `--exec sim`, look at memory after every step of the store pass: words that only grow, and what the method
+    /// says must always be true
+    #[arg(long)]
+    pub(super) check_steps: bool,
 
     /// How a pixel's fragments are sorted; published is insertion sort up to 16 and shell sort above
     #[arg(long, value_enum, value_name = "SORT", default_value = "fastest")]
@@ -118,6 +149,14 @@ pub(super) enum DepthFormat {
 pub(super) enum Data {
     Color,
     Primitive,
+    None,
+}
+
+/// `--offsets`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Offsets {
+    Random,
+    FarthestPoint,
 }
 
 /// `--sort`.

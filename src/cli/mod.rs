@@ -10,11 +10,13 @@ mod claims;
 mod compare;
 mod effects;
 mod flags;
+mod frames;
 mod interrupt;
 mod methods;
 mod mutations;
 mod render;
 mod replay;
+mod reproduce;
 mod say;
 mod scenes;
 mod settings;
@@ -52,6 +54,8 @@ enum Command {
     Check(Box<check::Args>),
     /// Run a failing schedule again.
     Replay(replay::Args),
+    /// Compute the papers' tables and figures, ours beside theirs.
+    Reproduce(reproduce::Args),
     /// List the papers' claims, as they are checked.
     Claims(claims::Args),
     /// List the methods, from their contracts.
@@ -100,6 +104,7 @@ fn run(command: &Command) -> Result<Verdict> {
         Command::Compare(args) => compare::run(args),
         Command::Check(args) => check::run(args),
         Command::Replay(args) => replay::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
         Command::Claims(args) => claims::run(args),
         Command::Methods(args) => methods::run(args),
         Command::Mutations(args) => mutations::run(args),

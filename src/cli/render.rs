@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::effects::Effects;
 use super::flags::{Drawing, Output};
+use super::frames::{self, Frames};
 use super::settings::{Settings, resolve};
 use super::{Verdict, catalogue, say, wait};
 use crate::error::{Error, Result};
@@ -27,6 +28,9 @@ pub(super) struct Args {
 
     #[command(flatten)]
     effects: Effects,
+
+    #[command(flatten)]
+    frames: Frames,
 
     /// Write the picture, as PNG (sRGB, RGBA8) [default: not written]
     #[arg(short = 'o', value_name = "FILE.png")]
@@ -57,6 +61,19 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     let mut settings = resolve(&args.drawing, contract.name, args.record.is_some())?;
     args.effects.resolve(args.drawing.data, &mut settings.options)?;
     check_outputs(args)?;
+    let single: Vec<&str> = outputs(args)
+        .into_iter()
+        .map(|(option, _)| option)
+        .filter(|option| !["-o", "--stats"].contains(option))
+        .collect();
+    if let Some(animation) = args.frames.resolve(&single)? {
+        let quiet = args.output.quiet;
+        let load = || scene::load(&args.scene, &settings.overrides);
+        let scene = wait::during(quiet, "loading", load)?;
+        let (image, stats) = (args.image.as_deref(), args.stats.as_deref());
+        let output = [args.output.json, quiet];
+        return frames::run(&scene, &settings, &animation, image, stats, output);
+    }
     let rendering = draw(args, settings)?;
     let document = json::document(&rendering.report)?;
     write_outputs(args, &rendering, &document)?;

@@ -18,7 +18,7 @@ use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// What `fragloom check` printed: a value that begins with fl1-
+    /// What `fragloom check` printed: a value that begins with fl2-
     #[arg(value_name = "TOKEN")]
     token: String,
 

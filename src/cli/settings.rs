@@ -1,10 +1,10 @@
 //! From what was typed to what is run: values are checked and defaults filled in.
 
-use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Shading, Sort};
+use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Offsets, Shading, Sort};
 use super::values;
 use crate::error::{Error, Result};
 use crate::num::depth::Format;
-use crate::render::{self, Options, Policy, Sim};
+use crate::render::{self, HashOptions, Options, Policy, Sim};
 use crate::scene::{self, Overrides};
 
 /// Invocations in flight unless `--resident` is given.
@@ -49,10 +49,23 @@ pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Set
             .as_deref()
             .map(|text| values::bytes("--memory-budget", text))
             .transpose()?,
+        hash: hash(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
     };
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
+}
+
+fn hash(typed: &Drawing) -> Result<HashOptions> {
+    let size = typed.table.as_deref().map(|text| values::cells("--table", text)).transpose()?;
+    Ok(HashOptions {
+        load: typed.load,
+        size,
+        offsets: typed.offsets.into(),
+        seed: typed.offset_seed,
+        ages: typed.age_limit,
+        threshold: typed.cull_threshold,
+    })
 }
 
 fn overrides(typed: &Drawing) -> Result<Overrides> {
@@ -69,6 +82,7 @@ fn exec(typed: &Drawing, record: bool) -> Result<render::Exec> {
         Exec::Sim => Ok(render::Exec::Sim(sim(typed, record)?)),
         _ if typed.schedule.is_some() => needs_sim("--schedule"),
         _ if record => needs_sim("--record"),
+        _ if typed.check_steps => needs_sim("--check-steps"),
         Exec::Tile => Ok(render::Exec::Tile),
         Exec::Threads => Ok(render::Exec::Threads),
     }
@@ -80,7 +94,8 @@ fn sim(typed: &Drawing, record: bool) -> Result<Sim> {
         return Err(Error::new("--resident", "0 invocations in flight: must be at least 1"));
     }
     let policy = typed.schedule.as_deref().map_or(Ok(Policy::Random), values::schedule)?;
-    Ok(Sim { policy, seed: typed.seed.unwrap_or(0), resident, record, watch: None })
+    let (seed, check) = (typed.seed.unwrap_or(0), typed.check_steps);
+    Ok(Sim { policy, seed, resident, record, watch: None, check })
 }
 
 /// Options without effect are no errors: scripts give them to every run.
@@ -135,11 +150,21 @@ impl From<Sort> for render::Sort {
     }
 }
 
+impl From<Offsets> for render::Offsets {
+    fn from(typed: Offsets) -> Self {
+        match typed {
+            Offsets::Random => Self::Random,
+            Offsets::FarthestPoint => Self::FarthestPoint,
+        }
+    }
+}
+
 impl From<Data> for render::Data {
     fn from(typed: Data) -> Self {
         match typed {
             Data::Color => Self::Color,
             Data::Primitive => Self::Primitive,
+            Data::None => Self::Nothing,
         }
     }
 }
@@ -187,12 +212,24 @@ mod tests {
     #[test]
     fn a_simulated_device() {
         let found = settings("--exec sim --schedule warp:8 --resident 9").unwrap().options.exec;
-        let expected =
-            Sim { policy: Policy::Warp(8), seed: 0, resident: 9, record: true, watch: None };
+        let expected = Sim {
+            policy: Policy::Warp(8),
+            seed: 0,
+            resident: 9,
+            record: true,
+            watch: None,
+            check: false,
+        };
         assert_eq!(found, render::Exec::Sim(expected));
         let found = settings("--exec sim --seed 7").unwrap().options.exec;
-        let expected =
-            Sim { policy: Policy::Random, seed: 7, resident: RESIDENT, record: false, watch: None };
+        let expected = Sim {
+            policy: Policy::Random,
+            seed: 7,
+            resident: RESIDENT,
+            record: false,
+            watch: None,
+            check: false,
+        };
         assert_eq!(found, render::Exec::Sim(expected));
     }
 

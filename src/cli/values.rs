@@ -21,6 +21,17 @@ pub(super) fn size(text: &str) -> Result<[u32; 2]> {
     }
 }
 
+/// `WxH` cells of a hash table.
+///
+/// # Errors
+/// Another form, or an edge of no cells.
+pub(super) fn cells(option: &str, text: &str) -> Result<[u32; 2]> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    parsed.filter(|size: &[u32; 2]| !size.contains(&0)).ok_or_else(|| {
+        Error::new(option, format!("{text:?} must be WIDTHxHEIGHT in cells, like 640x480"))
+    })
+}
+
 /// `X,Y` in pixels, from the top left.
 ///
 /// # Errors

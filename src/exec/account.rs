@@ -9,6 +9,7 @@
 //! nearest, and evicted (or culled) if it does not.
 
 use crate::scheme::Outcome;
+use crate::scheme::visible::is_hidden;
 
 /// Sums over pixels; each addition is exact, so their order does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +30,10 @@ pub struct Tally {
     pub overflow: u64,
     /// Dropped for want of room in the frame's pool.
     pub pool: u64,
+    /// Dropped because they were there already.
+    pub duplicate: u64,
+    /// Dropped beyond the largest age of a hash table.
+    pub age: u64,
     /// Dropped by a race.
     pub lost: u64,
     /// The largest number of fragments at a pixel.
@@ -48,6 +53,8 @@ impl Tally {
         self.torn += other.torn;
         self.overflow += other.overflow;
         self.pool += other.pool;
+        self.duplicate += other.duplicate;
+        self.age += other.age;
         self.lost += other.lost;
         self.max_depth_complexity = self.max_depth_complexity.max(other.max_depth_complexity);
         self.unbalanced += other.unbalanced;
@@ -62,6 +69,8 @@ impl Tally {
             Outcome::Evicted => self.evicted += 1,
             Outcome::Overflow => self.overflow += 1,
             Outcome::Pool => self.pool += 1,
+            Outcome::Duplicate => self.duplicate += 1,
+            Outcome::Age => self.age += 1,
         }
         true
     }
@@ -78,7 +87,13 @@ impl Tally {
     /// Dropped for any reason.
     #[must_use]
     pub fn dropped(&self) -> u64 {
-        self.overflow + self.pool + self.lost
+        self.reported() + self.lost
+    }
+
+    /// Dropped, and reported so by who dropped it.
+    #[must_use]
+    fn reported(&self) -> u64 {
+        self.overflow + self.pool + self.duplicate + self.age
     }
 
     /// Whether the sums balance.
@@ -90,12 +105,22 @@ impl Tally {
 
     /// Replace what racing invocations reported by what the lists show. Reports of drops stay: who drops knows it.
     /// `culled` keeps its reports as far as they fit.
-    pub fn correct(&mut self, judgement: &Judgement) {
+    /// `culls`: the method culls what it promises to keep where it cannot be seen, so that this is a report of drops too.
+    pub fn correct(&mut self, judgement: &Judgement, culls: bool) {
         self.duplicated = judgement.duplicated;
         self.torn = judgement.torn;
-        let dropped = self.overflow + self.pool;
+        if culls {
+            // Of what is missing and can be seen, so much was dropped for other reasons; the rest was culled wrongly.
+            let wrongly = judgement.visible.saturating_sub(self.reported());
+            self.culled = self.culled.saturating_sub(wrongly);
+        }
+        let dropped = self.reported() + if culls { self.culled } else { 0 };
         self.lost = judgement.lost.saturating_sub(dropped);
         let beyond = judgement.beyond + judgement.lost - self.lost - dropped;
+        if culls {
+            self.evicted = beyond;
+            return;
+        }
         self.culled = self.culled.min(beyond);
         self.evicted = beyond - self.culled;
     }
@@ -112,6 +137,8 @@ pub struct Judgement {
     pub lost: u64,
     /// Missing, and not among the k nearest.
     pub beyond: u64,
+    /// Missing, and not hidden by others, where a method culls what is.
+    pub visible: u64,
 }
 
 impl Judgement {
@@ -133,6 +160,20 @@ impl Judgement {
         }
     }
 
+    /// Of one pixel of a method that culls early: count what is missing though it can be seen.
+    pub fn seen(&mut self, generated: &[u64], kept: &[u64], opaque: u16) {
+        let mut g = 0;
+        while g < generated.len() {
+            let key = generated[g];
+            let made = run(&generated[g..], key);
+            g += made;
+            let missing = made.saturating_sub(kept.iter().filter(|&&k| k == key).count());
+            if missing > 0 && !is_hidden(generated, key, opaque) {
+                self.visible += missing as u64;
+            }
+        }
+    }
+
     /// One key: how often it was made, how often it was found, and how many of it belong to the nearest.
     fn run(&mut self, made: usize, found: usize, wanted: usize) {
         if made == 0 {
@@ -151,6 +192,7 @@ impl Judgement {
         self.torn += other.torn;
         self.lost += other.lost;
         self.beyond += other.beyond;
+        self.visible += other.visible;
     }
 }
 
@@ -181,12 +223,25 @@ mod tests {
     }
 
     #[test]
+    fn what_was_culled_and_can_be_seen_was_lost() {
+        // Four missing: two hidden, one culled though it can be seen, one beyond the largest age.
+        let reports = Tally { generated: 9, kept: 5, culled: 3, age: 1, ..Tally::default() };
+        for (visible, culled, lost) in [(2, 2, 1), (1, 3, 0), (0, 3, 0)] {
+            let judgement = Judgement { lost: 4, visible, ..Judgement::default() };
+            let mut tally = reports;
+            tally.correct(&judgement, true);
+            assert_eq!((tally.culled, tally.lost), (culled, lost), "{visible}");
+            assert!(tally.balances(), "{tally:?}");
+        }
+    }
+
+    #[test]
     fn a_corrected_tally_balances() {
         // Three generated, k = 2; both invocations that were too late report the same eviction.
         let mut tally = Tally { generated: 3, kept: 2, evicted: 2, ..Tally::default() };
         let mut judgement = Judgement::default();
         judgement.pixel(&[1, 2, 3], &[1, 1], Some(2));
-        tally.correct(&judgement);
+        tally.correct(&judgement, false);
         assert!(tally.balances(), "{tally:?}");
         assert_eq!((tally.lost, tally.duplicated, tally.evicted), (1, 1, 1));
     }

@@ -13,7 +13,7 @@ use std::task::{Context, Poll, Waker};
 
 use crate::fragment::Fragment;
 use crate::memory::Memory;
-use crate::scheme::{Keys, Outcome, Scheme};
+use crate::scheme::{Keys, Outcome, Readback, Scheme};
 
 /// Outcomes of a batch, in the order of its fragments.
 pub type Outcomes = [Outcome; 64];
@@ -36,6 +36,8 @@ pub trait Pipeline<M>: Sync {
     fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes);
     /// Append a pixel's fragments to `keys`; whether it needs another round.
     fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool;
+    /// What is read back after the frame.
+    fn readback(&self) -> Option<Readback>;
 }
 
 /// The result of a future that never waits.
@@ -93,5 +95,9 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
     fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool {
         complete(Scheme::resolve(self, mem, pixel, keys));
         S::CONTRACT.program.repeats && complete(Scheme::again(self, mem, pixel))
+    }
+
+    fn readback(&self) -> Option<Readback> {
+        Scheme::readback(self)
     }
 }

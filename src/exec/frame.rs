@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
+use super::table::Table;
 use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
 use crate::memory::Counters;
 use crate::raster::Grid;
 use crate::resolve::Lists;
 use crate::resolve::composite::Ray;
-use crate::scheme::{Keys, exact};
+use crate::scheme::{Keeps, Keys, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,8 @@ pub struct Frame {
     pub counters: Counters,
     /// Rounds of the method's program: the most that any tile went through, where tiles go on their own.
     pub rounds: u32,
+    /// The hash table, if the method has one.
+    pub table: Option<Table>,
     /// Seconds of each pass, where passes follow each other.
     pub seconds: BTreeMap<String, f64>,
 }
@@ -108,7 +111,7 @@ impl<'a> Finisher<'a> {
     #[inline]
     fn color(&self, key: u64) -> u32 {
         match self.job.record.data {
-            Data::Color => data_of(key),
+            Data::Color | Data::Nothing => data_of(key),
             Data::Primitive => {
                 let local = self.output.counts.len() as u32;
                 let (x, y) = self.job.front.grid.position(self.tile, local);
@@ -165,10 +168,10 @@ impl Frame {
         let mut tally = *reports;
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
         if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
-            tally.correct(&judge(job, &tiles));
+            tally.correct(&judge(job, &tiles), job.contract.keeps == Keeps::Visible);
         }
         let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
-        Self { tiles, tally, counters, rounds, seconds: BTreeMap::new() }
+        Self { tiles, tally, counters, rounds, table: None, seconds: BTreeMap::new() }
     }
 
     /// The kept fragments and the picture, row by row. The tiles are used up.
@@ -246,6 +249,9 @@ fn judge(job: &Job<'_>, tiles: &[TileOutput]) -> Judgement {
             let kept = &output.keys[end..end + count as usize];
             end += count as usize;
             judgement.pixel(generated, kept, job.nearest);
+            if job.contract.keeps == Keeps::Visible {
+                judgement.seen(generated, kept, job.opaque);
+            }
         }
         judgement
     };

@@ -17,7 +17,7 @@ pub mod drive;
 pub mod frame;
 pub mod oracle;
 pub mod sim;
-
+pub mod table;
 pub mod threads;
 pub mod tile;
 
@@ -47,4 +47,6 @@ pub struct Job<'a> {
     pub before_tile: Vec<u64>,
     /// Worker threads.
     pub threads: usize,
+    /// Transmittance below which nothing behind can be seen, where a method culls early.
+    pub opaque: u16,
 }

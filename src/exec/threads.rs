@@ -14,6 +14,7 @@ use super::account::Tally;
 use super::clock::Stopwatch;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, collected_tile, resolve_tile};
+use super::table::Table;
 use crate::fragment::Packet;
 use crate::memory::arena::Shared;
 use crate::memory::native::Native;
@@ -111,7 +112,8 @@ pub fn run<O: Observer + Default>(
     watch.lap("resolve");
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
-    Frame { rounds, seconds: watch.seconds(), ..frame }
+    let table = scheme.readback().map(|readback| Table::new(&readback, &shared.global));
+    Frame { rounds, table, seconds: watch.seconds(), ..frame }
 }
 
 /// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if that matters.

@@ -12,6 +12,7 @@ use super::Job;
 use super::account::Tally;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, TileOutput, collected_tile, resolve_tile};
+use super::table::Table;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Counters, Layout, Observer};
@@ -41,7 +42,8 @@ pub fn run<O: Observer + Default + Send>(
         counters.merge(&counts);
         tiles.push(tile);
     }
-    Frame::new(job, tiles, &Tally::default(), counters)
+    let table = scheme.readback().map(|readback| Table::new(&readback, &global));
+    Frame { table, ..Frame::new(job, tiles, &Tally::default(), counters) }
 }
 
 /// What all workers know.

@@ -19,7 +19,8 @@ use super::shader::Subject;
 use super::sites;
 use super::token::{LitmusToken, Token};
 use super::verdict::{Row, Verdict};
-use crate::scheme::Contract;
+use crate::raster::Grid;
+use crate::scheme::{Config, Contract};
 
 /// What to check, and how far.
 #[derive(Clone, Debug)]
@@ -71,8 +72,10 @@ impl Plan {
 
     /// Fragments under a memory model.
     #[must_use]
-    pub fn fragments_under(&self, memory: MemoryModel) -> u32 {
+    pub fn fragments_under(&self, contract: &Contract, memory: MemoryModel) -> u32 {
         match (self.fragments, memory) {
+            // Every update of a cell is a message: the states of a table are many.
+            (n, MemoryModel::Relaxed(_)) if contract.crosses => n.unwrap_or(2).min(2),
             (None, MemoryModel::Sequential) => 4,
             (None, MemoryModel::Relaxed(_)) => 3,
             (Some(n), MemoryModel::Sequential) => n,
@@ -218,7 +221,7 @@ impl Survey {
         memory: MemoryModel,
         limits: &Limits<'_>,
     ) -> Vec<Row> {
-        let n = plan.fragments_under(memory);
+        let n = plan.fragments_under(subject.contract, memory);
         let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
         let distinct = |litmus: &Litmus| {
             let mut depths: Vec<u32> = litmus.fragments().map(|f| f.depth).collect();
@@ -260,7 +263,8 @@ impl Survey {
             Some(given) => given.clone(),
             None => format!("n <= {}{k}{patterns}", self.size),
         };
-        let bound = format!("{what}, {}", self.device.memory.bound());
+        let tables = if contract.crosses { ", some tables of 1 to 8 cells" } else { "" };
+        let bound = format!("{what}{tables}, {}", self.device.memory.bound());
         Row {
             method: contract.name.to_owned(),
             property: property.map(|p| p.name().to_owned()),
@@ -333,13 +337,15 @@ fn outcomes(explored: &Explored) -> Vec<String> {
 /// The properties that can be asked of a method under a memory model.
 #[must_use]
 pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
-    let shader = (subject.make)(&crate::scheme::Config {
+    let shader = (subject.make)(&Config {
         k: subject.contract.default_k.map(|_| 1),
         pixels: 1,
         generated: 1,
         max_depth_complexity: 1,
         bounded: 1,
         pages: 1,
+        grid: Grid { width: 1, height: 1, tile: 16 },
+        ..Config::default()
     });
     let locks = !shader.layout().locks().is_empty();
     let races = matches!(memory, MemoryModel::Relaxed(profile) if profile.has_races());
@@ -358,7 +364,7 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
     let mut rows = Vec::new();
     for &memory in &plan.memory {
         let family = Family {
-            fragments: plan.fragments_under(memory),
+            fragments: plan.fragments_under(subject.contract, memory),
             ks: plan.ks.clone(),
             helpers: plan.helpers,
         };

@@ -154,17 +154,62 @@ pub const CLAIMS: &[Claim] = &[
         "the sum of k(p) never exceeds the budget, and loses less than a fixed k at equal memory",
         &[],
     ),
+    Claim {
+        properties: &[Property::Invariant],
+        ..claim(
+            "C8",
+            HA,
+            "4.1.2",
+            "cells of the table only grow; Proposition A holds in every state; lists come out sorted front to back",
+            &["ha64", "ha32", "ha64-multiset", "ha64-cull", "ha64@no-depth", "ha64@load-store"],
+        )
+    },
     claim(
-        "C8",
+        "C9",
         HA,
-        "2, 3",
-        "table cells only grow; Proposition A holds at every moment; lists come out sorted",
-        &[],
+        "4.1.1",
+        "the age of a record alone identifies its pixel: where the table is at least as large as the screen on each axis; \
+         more cells than pixels, as the paper asks for, are not enough in two dimensions (ha64@area)",
+        &["ha64", "ha32", "ha64@area", "ha64@offset"],
     ),
-    claim("C9", HA, "2.5", "the age of a record alone identifies its pixel", &[]),
-    claim("C10", HA, "3", "no fragment is lost short of the two stated failures", &[]),
-    claim("C11", HA, "3.3", "early culling never rejects improperly", &[]),
-    claim("C12", HA, "3", "traversal sees all fragments of its pixel", &[]),
+    Claim {
+        properties: &[
+            Property::Keeps,
+            Property::Intact,
+            Property::Accounting,
+            Property::OneOutcome,
+        ],
+        ..claim(
+            "C10",
+            HA,
+            "4.1.3",
+            "no fragment is lost short of the two stated failures, and the lists do not depend on the interleaving, also \
+             where there are failures; two fragments that are wholly alike count as one, but in ha64-multiset",
+            &[
+                "ha64",
+                "ha32",
+                "ha64-multiset",
+                "hash-coherent",
+                "hash-coherent@published",
+                "ha64@no-reinsert",
+            ],
+        )
+    },
+    claim(
+        "C11",
+        HA,
+        "5",
+        "early culling is conservative: who is culled is behind fragments that let no more light through than the \
+         threshold",
+        &["ha64-cull", "ha64-cull@published"],
+    ),
+    claim(
+        "C12",
+        HA,
+        "4.1.4",
+        "traversal sees all fragments of its pixel",
+        &["ha64", "ha64@published", "ha64@max-age"],
+    ),
     claim("C13", CULLING, "3", "occupancy culling never removes one of the k nearest", &[]),
     claim("C14", THICKNESS, "4", "OFM does not depend on the order of arrival", &[]),
     claim("C15", THICKNESS, "4", "SFM subdivision restores the original visibility", &[]),
@@ -202,7 +247,7 @@ impl Claim {
         for method in methods {
             let subject = subject(method)?;
             for &memory in &plan.memory {
-                let n = plan.fragments_under(memory);
+                let n = plan.fragments_under(subject.contract, memory);
                 let ks = match self.ks {
                     Ks::Planned => plan.ks.clone(),
                     Ks::Ends => vec![1, n],

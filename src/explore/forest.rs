@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::shader::{Answer, Ended, Next, Shader, Task};
 use crate::memory::Update;
-use crate::memory::asked::{Action, Cells, OpenBlock, Request, Site};
+use crate::memory::asked::{Action, Cells, Here, OpenBlock, Request, Site};
 
 /// Index of a node.
 pub(super) type NodeId = u32;
@@ -37,6 +37,8 @@ pub(super) enum Fault {
     KeepsLock,
     /// The invocation waits before it has done anything: for ever.
     WaitsForNothing,
+    /// A word becomes smaller that only grows while fragments are stored.
+    Shrinks,
 }
 
 #[derive(Debug)]
@@ -67,8 +69,12 @@ pub(super) struct Forest<'a> {
     nodes: Vec<Node>,
     ends: Vec<(Ended, NodeId)>,
     stacks: Vec<Vec<OpenBlock>>,
-    /// Edges that a claim made: (parent, answer).
+    /// Edges that a wait made: (parent, answer).
     claims: Vec<(NodeId, u64)>,
+    /// The node of a task that stands at a place, with locks held, in blocks, and depends on these values only.
+    heres: BTreeMap<(u32, u32, u32, Here), NodeId>,
+    /// Edges to such a node that was there: (parent, answer, node).
+    merges: Vec<(NodeId, u64, NodeId)>,
     /// Operations and blocks that were reached.
     sites: BTreeSet<(&'static str, u32, u32)>,
     /// Where invocations wait outside of any block.
@@ -90,6 +96,8 @@ impl<'a> Forest<'a> {
             ends: Vec::new(),
             stacks: vec![Vec::new()],
             claims: Vec::new(),
+            heres: BTreeMap::new(),
+            merges: Vec::new(),
             sites: BTreeSet::new(),
             bare_waits: BTreeSet::new(),
         }
@@ -195,6 +203,15 @@ impl<'a> Forest<'a> {
         let fault = self.fault(self.tasks[task as usize], step, held);
         let blocks = self.intern(standing.blocks);
         let id = self.nodes.len() as NodeId;
+        if let Some(here) = standing.here {
+            // Without lanes, nobody asks how often a block was opened.
+            let place = (task, held, if self.lanes { blocks } else { 0 }, here);
+            if let Some(&known) = self.heres.get(&place) {
+                self.merges.extend(parent.map(|(from, answer)| (from, answer, known)));
+                return known;
+            }
+            self.heres.insert(place, id);
+        }
         let (children, waits) = (Vec::new(), false);
         self.nodes.push(Node { step, site, held, fault, blocks, waits, children, parent, task });
         id
@@ -321,6 +338,22 @@ impl<'a> Forest<'a> {
             }
             compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
         }
+        for &(from, answer, target) in &self.merges {
+            let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
+            let twin = self.answers(Some((from, answer)));
+            for (node, path) in paths {
+                if compared == Self::MOST_COMPARISONS {
+                    return Ok(compared);
+                }
+                compared += 1;
+                let answers: Vec<Answer> = twin.iter().chain(path.iter()).copied().collect();
+                let next =
+                    self.shader.follow(self.cells, self.task(from), &answers, self.lanes).next;
+                if !self.agrees(*node, &next) {
+                    return Err(self.lie(from));
+                }
+            }
+        }
         Ok(compared)
     }
 
@@ -357,8 +390,8 @@ impl<'a> Forest<'a> {
     fn lie(&self, from: NodeId) -> String {
         let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
         format!(
-            "after the wait that follows {site}, the invocation does not do what it did before: a mark claims more \
-             than is true"
+            "after the step at {site}, the invocation does not do what it did before: a mark, or a list of what it \
+             depends on, claims more than is true"
         )
     }
 

@@ -8,9 +8,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::shader::Task;
-use crate::fragment::{Fragment, key};
+use crate::fragment::{Data, Fragment, key};
 use crate::num::depth::{FARTHEST, Format};
+use crate::raster::Grid;
 use crate::scheme::contract::{Barrier, Demand, Keeps, Kind, Pass};
+use crate::scheme::hash::{Offsets, Settings};
 use crate::scheme::{Config, Contract};
 
 /// A small program: one store invocation per fragment.
@@ -26,6 +28,8 @@ pub struct Litmus {
     pub fragments: Vec<(u32, u32, u32)>,
     /// How many of the first fragments have a helper invocation beside them.
     pub helpers: u32,
+    /// The hash table, for a method that has one.
+    pub table: Option<Settings>,
 }
 
 /// Tasks that run at the same time, between two barriers.
@@ -83,6 +87,8 @@ impl Litmus {
             max_depth_complexity: self.room,
             bounded: bounded.min(room),
             pages: pages - short,
+            grid: Grid { width: self.pixels, height: 1, tile: 16 },
+            hash: self.table.unwrap_or_default(),
         }
     }
 
@@ -191,6 +197,13 @@ impl Litmus {
         if self.pixels > 1 {
             let _ = write!(text, " pixels={}", self.pixels);
         }
+        if let Some(table) = &self.table {
+            let [width, height] = table.size;
+            let _ = write!(text, " table={width}x{height} ages={} offsets=", table.ages);
+            let offsets = table.offsets();
+            let cells: Vec<String> = offsets.iter().map(|[x, y]| format!("{x},{y}")).collect();
+            let _ = write!(text, "{}", cells.join(" "));
+        }
         if self.helpers > 0 {
             let _ = write!(text, " helpers={}", self.helpers);
         }
@@ -231,6 +244,9 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
     let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
     let mut all = Vec::new();
+    if contract.crosses {
+        return hashed(contract, family, n);
+    }
     for &k in &ks {
         for &room in &rooms {
             for pixels in 1..=spread {
@@ -238,12 +254,102 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
                     let sorted = fragments(&relations, pixels, contract);
                     let helpers = family.helpers.min(n);
                     for fragments in arrivals(sorted, contract) {
-                        all.push(Litmus { pixels, k, room, fragments, helpers });
+                        all.push(Litmus { pixels, k, room, fragments, helpers, table: None });
                     }
                 }
             }
         }
     }
+    all
+}
+
+/// Those of a method with a hash table: also with tables of one to eight cells, and fragments spread over up to three
+/// pixels in every way (of two).
+fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
+    let helpers = family.helpers.min(n);
+    let mut all = Vec::new();
+    for pixels in 1..=n.min(3) {
+        let mut lists: Vec<Vec<(u32, u32, u32)>> = Vec::new();
+        for relations in patterns(n, pixels) {
+            lists.extend(colored(fragments(&relations, pixels, contract), contract));
+        }
+        if pixels == 2 && n <= ALL_PATTERNS {
+            lists = lists.iter().flat_map(|list| divided(list)).collect();
+        }
+        for table in tables(contract, n, pixels) {
+            for fragments in lists.iter().cloned() {
+                let table = Some(table);
+                all.push(Litmus { pixels, k: None, room: n, fragments, helpers, table });
+            }
+        }
+    }
+    all
+}
+
+/// The fragments divided between two pixels in every way, both of which have some.
+fn divided(list: &[(u32, u32, u32)]) -> Vec<Vec<(u32, u32, u32)>> {
+    let ways = 1..(1u32 << list.len()) - 1;
+    let way = |bits: u32| {
+        let pixel = move |i: usize| bits >> i & 1;
+        list.iter().enumerate().map(|(i, f)| (pixel(i), f.1, f.2)).collect()
+    };
+    ways.map(way).collect()
+}
+
+/// For a method that goes by opacity: every choice of opaque fragments, and of those that let nearly all light pass.
+fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+    if contract.keeps != Keeps::Visible {
+        return vec![list];
+    }
+    let alphas = |bits: u32| {
+        let mut list = list.clone();
+        for (i, fragment) in list.iter_mut().enumerate() {
+            let alpha: u32 = if bits >> i & 1 == 1 { 240 } else { 16 };
+            fragment.2 |= alpha << 24;
+        }
+        list
+    };
+    let mut all: Vec<_> = (0..1u32 << list.len().min(5)).map(alphas).collect();
+    all.iter_mut().for_each(|list| list.sort_by_key(|&(_, depth, data)| key(depth, data)));
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Tables to try. With one or two fragments: of one to four cells, with all sequences of three offsets, and some of eight
+/// cells with seven ages; with three, every fifth of those; with more, one of one, two, four and eight cells each.
+fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<Settings> {
+    let table = |size, ages, seed| Settings {
+        size,
+        ages,
+        offsets: Offsets::Digits,
+        seed,
+        ..Settings::default()
+    };
+    // Ages one after another along a row of cells.
+    let straight = |cells: u32, ages: u32| {
+        let base = u64::from(cells);
+        let seed = (0..ages).rev().fold(0, |seed, age| seed * base + u64::from(age) % base);
+        table([cells, 1], ages, seed)
+    };
+    let mut all = Vec::new();
+    if n > 3 || contract.keeps == Keeps::Visible {
+        // The walks of early culling are about one pixel: no table needs to fold.
+        all.push(straight(8, n + 2));
+    }
+    if contract.keeps == Keeps::Visible {
+        all.extend((n <= 3).then(|| straight(3, 3)));
+    } else if n > 3 {
+        all.extend([1, 2, 4].map(|cells| straight(cells, 3)));
+    } else {
+        for (size, ages) in [([1, 1], 3), ([2, 1], 3), ([3, 1], 3), ([2, 2], 3), ([4, 2], 7)] {
+            let cells = u64::from(size[0] * size[1]);
+            let stride = if cells == 8 { 300_007 } else { 1 } * if n == 3 { 5 } else { 1 };
+            let seeds = (0..cells.pow(ages)).step_by(stride);
+            all.extend(seeds.map(|seed| table(size, ages, seed)));
+        }
+    }
+    all.retain(|table| table.size[0] >= pixels);
     all
 }
 
@@ -310,6 +416,7 @@ fn fragments(relations: &[Relation], pixels: u32, contract: &Contract) -> Vec<(u
             _ => {}
         }
         let code = if level + 1 == levels { FARTHEST } else { level * 0x1000_0000 };
+        let data = if contract.data == Some(Data::Nothing) { 0 } else { data };
         all.push((i as u32 % pixels, format.encode(code), data));
     }
     all.sort_by_key(|&(_, depth, data)| key(depth, data));

@@ -14,7 +14,7 @@ use super::model::{self, Initial, MemoryModel, Model, Race};
 use super::schedule::Move;
 use super::shader::{Ended, Shader, Task};
 use crate::memory::asked::{Action, Cells, OpenBlock};
-use crate::memory::{Access, Order, Snapshot};
+use crate::memory::{Access, Growing, Layout, Order, Snapshot};
 use crate::resolve::sort;
 use crate::scheme::{Contract, Moment, Outcome};
 
@@ -57,6 +57,10 @@ pub(super) struct Machine<'a> {
     at: At,
     /// The results of earlier rounds: every pixel's keys.
     results: Vec<Vec<Vec<u64>>>,
+    /// Words that only grow while fragments are stored; empty where there are none.
+    growing: Vec<bool>,
+    /// By stage: it stores fragments, and does nothing else.
+    storing: Vec<bool>,
     /// A bound of rounds was hit.
     full: bool,
     initial: Vec<u32>,
@@ -116,6 +120,10 @@ impl<'a> Machine<'a> {
         let width = stages.iter().map(|s| s.tasks.len()).max().unwrap_or(0);
         assert!(width <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
         stages.iter_mut().for_each(|stage| stage.tasks.resize(width, Task::Idle));
+        let stores = |stage: &Stage| {
+            stage.tasks.iter().all(|task| matches!(task, Task::Store(_) | Task::Idle))
+        };
+        let storing = stages.iter().map(stores).collect();
         let mut forest = Forest::new(shader, cells, litmus.pixels, device.warp.is_some());
         let cleared = clear(&mut forest, &before, cells.count() as usize);
         let candidates = litmus.candidates();
@@ -138,6 +146,8 @@ impl<'a> Machine<'a> {
             stage_word,
             at: At::default(),
             results: vec![vec![Vec::new(); litmus.pixels as usize]],
+            growing: growing(shader.layout(), cells),
+            storing,
             full: false,
             initial: Vec::new(),
         };
@@ -280,12 +290,17 @@ impl<'a> Machine<'a> {
     pub(super) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
         let (fault, step) = (self.forest.node(node).fault, self.forest.node(node).step);
         let invocation = usize::from(by.invocation);
-        let (mut result, mut race) = (0, None);
+        let (mut result, mut race, mut shrunk) = (0, None, false);
         if let Step::Operation(cell, action) = step {
             if self.is_helper(invocation) {
                 result = self.helper(invocation, cell, action, by.alternative);
             } else {
+                let grows = self.growing.get(cell as usize).is_some_and(|&grows| grows)
+                    && self.storing[self.at.stage as usize]
+                    && !matches!(action, Action::Read(_));
+                let before = if grows { self.model.settled(cell) } else { None };
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
+                shrunk = grows && self.model.settled(cell) < before;
                 // What a helper reads has no effect, so that it is no race either.
                 race = self.model.race().filter(|race| !self.is_helper(race.other));
             }
@@ -295,6 +310,7 @@ impl<'a> Machine<'a> {
             Step::Ended(_) => self.forest.node(node).fault,
             _ => None,
         });
+        let fault = fault.or(shrunk.then_some(Fault::Shrinks));
         // What a helper does to a lock has no effect, and what it believes to hold it does not.
         let fault = fault.filter(|f| *f == Fault::Outside || !self.is_helper(invocation));
         Moved { node, result, fault, race }
@@ -405,6 +421,19 @@ impl<'a> Machine<'a> {
         }
         (Final { lists, outcomes }, memory.written, again)
     }
+}
+
+/// By number: whether a word only grows. Empty where none does.
+fn growing(layout: &Layout, cells: &Cells) -> Vec<bool> {
+    if layout.growing().is_empty() {
+        return Vec::new();
+    }
+    let grows = |cell: u32| {
+        let name = cells.name(cell);
+        let fits = |g: &Growing| g.bits == name.bits && g.words.contains(&name.word);
+        name.pixel.is_none() && layout.growing().iter().any(fits)
+    };
+    (0..cells.count() as u32).map(grows).collect()
 }
 
 /// Words written by invocations that run one after another.

@@ -189,7 +189,7 @@ impl Examined {
         limits: &Limits<'_>,
     ) {
         let family = Family {
-            fragments: plan.fragments_under(memory).min(4),
+            fragments: plan.fragments_under(self.subject.contract, memory).min(4),
             ks: plan.ks.iter().copied().filter(|&k| k <= 2).collect(),
             helpers: 0,
         };

@@ -340,7 +340,14 @@ mod tests {
     /// Look at a hand-made graph, whose state n was reached by n moves of invocation 7.
     fn look<T>(graph: Graph, at: impl Fn(&Endings<'_>) -> T) -> T {
         let subject = super::super::subject("z-buffer").expect("a method");
-        let litmus = Litmus { pixels: 1, k: None, room: 1, fragments: vec![(0, 0, 0)], helpers: 0 };
+        let litmus = Litmus {
+            pixels: 1,
+            k: None,
+            room: 1,
+            fragments: vec![(0, 0, 0)],
+            helpers: 0,
+            table: None,
+        };
         let shader = (subject.make)(&litmus.config(subject.contract));
         let cells = Cells::new(shader.layout(), 1);
         let device = Device { memory: MemoryModel::Sequential, warp: None };

@@ -6,6 +6,7 @@ use super::machine::Final;
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
 use crate::scheme::contract::Keeps;
+use crate::scheme::visible::is_hidden;
 use crate::scheme::{Contract, Outcome};
 
 /// A property of a method.
@@ -68,6 +69,7 @@ impl Fault {
             Self::Outside => Property::Bounds,
             Self::ForeignLock | Self::KeepsLock => Property::MutualExclusion,
             Self::WaitsForNothing => Property::Termination,
+            Self::Shrinks => Property::Invariant,
         }
     }
 
@@ -77,13 +79,17 @@ impl Fault {
             Self::ForeignLock => "a lock is freed by an invocation that does not hold it",
             Self::KeepsLock => "an invocation ends and still holds a lock",
             Self::WaitsForNothing => "an invocation waits before its first operation, for ever",
+            Self::Shrinks => "a word that only grows becomes smaller",
         }
     }
 }
 
-/// Whether an instance has room for all that its contract wants to keep: else what is dropped depends on arrival, as
-/// the contract says.
+/// Whether several results are right: an instance without room for all that its contract wants to keep, where what is
+/// dropped depends on arrival, as the contract says; or a method that may cull what is hidden, and need not.
 pub(super) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
+    if contract.keeps == Keeps::Visible {
+        return true;
+    }
     let short = (litmus.room as usize) < litmus.fragments.len();
     short && matches!(contract.keeps, Keeps::All | Keeps::FirstArrivals)
 }
@@ -95,18 +101,32 @@ pub(super) fn judge(contract: &Contract, litmus: &Litmus, run: &Final) -> Vec<(P
     for (pixel, list) in (0..).zip(&run.lists) {
         let generated = litmus.generated(pixel);
         let reports = reports(litmus, run, pixel);
-        if let Some(message) = keeps(contract, litmus, &generated, list, &reports) {
+        let kept = if contract.crosses {
+            keeps_of_table(contract, litmus, &generated, list, &run.outcomes)
+        } else {
+            keeps(contract, litmus, &generated, list, &reports)
+        };
+        if let Some(message) = kept {
             wrong.push((Property::Keeps, format!("{}{message}", place(litmus, pixel))));
         }
         judgement.pixel(&generated, list, None);
         let gone = reports.iter().filter(|&&o| o != Outcome::Kept).count();
-        if !contract.judged && list.len() + gone != generated.len() {
+        if !contract.judged && !contract.crosses && list.len() + gone != generated.len() {
             let message = format!(
                 "{}{} generated, {} in the list, {gone} reported as gone",
                 place(litmus, pixel),
                 generated.len(),
                 list.len()
             );
+            wrong.push((Property::Accounting, message));
+        }
+    }
+    if contract.crosses {
+        let listed: usize = run.lists.iter().map(Vec::len).sum();
+        let gone = run.outcomes.iter().filter(|&&o| o != Outcome::Kept).count();
+        if listed + gone != litmus.fragments.len() {
+            let n = litmus.fragments.len();
+            let message = format!("{n} generated, {listed} in the lists, {gone} reported as gone");
             wrong.push((Property::Accounting, message));
         }
     }
@@ -155,6 +175,29 @@ fn keeps(
         }
         _ => list == expected,
     };
+    (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
+}
+
+/// The same where fragments of all pixels share a table: what one invocation drops may belong to another's pixel, so that
+/// reports are for all pixels together.
+fn keeps_of_table(
+    contract: &Contract,
+    litmus: &Litmus,
+    generated: &[u64],
+    list: &[u64],
+    reports: &[Outcome],
+) -> Option<String> {
+    let mut expected = generated.to_vec();
+    contract.keep(&mut expected, None);
+    let opaque = litmus.table.unwrap_or_default().opaque;
+    let dropped = reports.iter().any(|o| matches!(o, Outcome::Age | Outcome::Pool));
+    let hidden = |key: u64| contract.keeps == Keeps::Visible && is_hidden(generated, key, opaque);
+    let mut rest = list.iter().peekable();
+    // A dropped one may be any; how many are is a matter of the accounting.
+    let right = expected.iter().all(|&key| {
+        let found = rest.next_if(|&&kept| kept == key).is_some();
+        found || dropped || hidden(key)
+    }) && rest.peek().is_none();
     (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
 }
 

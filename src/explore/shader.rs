@@ -6,7 +6,7 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
-use crate::memory::asked::{Asked, Cells, OpenBlock, Request, Site};
+use crate::memory::asked::{Asked, Cells, Here, OpenBlock, Request, Site};
 use crate::memory::{Layout, Snapshot};
 use crate::scheme::catalogue::{self, Visitor};
 use crate::scheme::task::invoke;
@@ -31,6 +31,8 @@ pub(super) struct Standing {
     pub(super) blocks: Vec<OpenBlock>,
     /// Where blocks were opened so far.
     pub(super) opened: Vec<Site>,
+    /// What it says it depends on from here on.
+    pub(super) here: Option<Here>,
 }
 
 /// What comes next.
@@ -126,7 +128,7 @@ impl<S: Scheme + Send> Shader for Compiled<S> {
     fn follow(&self, cells: &Cells, task: Task, answers: &[Answer], lanes: bool) -> Standing {
         let mem = Asked::new(cells, lanes);
         let next = follow(&mem, invoke(&self.scheme, &mem, task), answers);
-        Standing { next, blocks: mem.blocks(), opened: mem.block_sites() }
+        Standing { next, blocks: mem.blocks(), opened: mem.block_sites(), here: mem.here() }
     }
 
     fn invariant(

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::error::Result;
 use crate::num::random::Random;
-use crate::render::{Exec, Options, Policy, Report, Sim, render};
+use crate::render::{Exec, HashOptions, Options, Policy, Report, Sim, render};
 use crate::scene::{self, Overrides, Scene};
 use crate::scheme::contract::{Contract, Demand, Form, Keeps};
 use crate::scheme::contracts;
@@ -57,6 +57,9 @@ const LAYERS: u32 = 24;
 
 /// k, or slots where a method shall overflow.
 const K: u32 = 4;
+
+/// Load of hash tables, in per cent.
+const LOAD: u32 = 90;
 
 /// Orders of triangles that are tried.
 const ORDERS: u64 = 6;
@@ -131,6 +134,16 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
+    /// Tables that are rather full, unless a budget makes them; for early culling, by what it keeps.
+    fn hash(&self, sized: bool) -> HashOptions {
+        let (load, size) = match self.contract.keeps {
+            _ if sized => (None, None),
+            Keeps::Visible => (None, Some([2 * EDGE, 2 * EDGE])),
+            _ => (Some(LOAD), None),
+        };
+        HashOptions { load, size, ..HashOptions::default() }
+    }
+
     fn draw(
         &mut self,
         scene: &Scene,
@@ -147,6 +160,8 @@ impl Runs<'_> {
             // So that the picture is most of what memory is allocated for.
             tile: 16,
             counters: false,
+            // So full that insertions push each other about.
+            hash: self.hash(memory_budget.is_some()),
             memory_budget,
             ..Options::default()
         };
@@ -174,7 +189,7 @@ impl Runs<'_> {
 }
 
 fn simulated(policy: Policy, seed: u64) -> Exec {
-    Exec::Sim(Sim { policy, seed, resident: 192, record: false, watch: None })
+    Exec::Sim(Sim { policy, seed, resident: 192, record: false, watch: None, check: false })
 }
 
 /// The same scene with every three neighbouring layers at the depth of the nearest of them.

@@ -1,6 +1,6 @@
 //! Tokens: a failing schedule as a value that can be mailed.
 //!
-//! `fl1-` and base64 (URL-safe, without padding) of what was run, the schedule, what it showed, a digest of its
+//! `fl2-` and base64 (URL-safe, without padding) of what was run, the schedule, what it showed, a digest of its
 //! operations, and a checksum. A token is complete: method, instance, memory, schedule. It is refused if it was made
 //! by another version of the format, damaged, or if the operations it leads to are not those it was made of.
 
@@ -15,9 +15,10 @@ use super::model::{MemoryModel, Profile};
 use super::run::{Event, Run, describe};
 use super::schedule::{Move, Schedule};
 use crate::error::{Error, Result};
+use crate::scheme::hash::{MOST_AGES, Settings};
 
 /// The version of the format, and how a token begins.
-const PREFIX: &str = "fl1-";
+const PREFIX: &str = "fl2-";
 
 /// Bytes of the checksum.
 const CHECK: usize = 4;
@@ -192,7 +193,7 @@ impl std::str::FromStr for Token {
                 Some((version, _)) if version.chars().all(|c| c.is_ascii_digit()) => bad(&format!(
                     "is of version {version} of the format; this fragloom reads version 1"
                 )),
-                _ => bad("is no token: a token begins with fl1-"),
+                _ => bad("is no token: a token begins with fl2-"),
             });
         };
         let damaged =
@@ -218,7 +219,8 @@ impl Token {
     /// What a well-made token always fulfils.
     fn check(&self) -> Result<()> {
         let Self::Litmus(token) = self else { return Ok(()) };
-        let Litmus { pixels, fragments, room, helpers, k } = &token.litmus;
+        let Litmus { pixels, fragments, room, helpers, k, table } = &token.litmus;
+        let fits = |t: &Settings| t.cells() <= 64 && t.size[0] > 0 && t.size[1] > 0;
         let moves = token.runs.iter().chain(&token.cycle).map(|run| u64::from(run.2)).sum::<u64>();
         let invocations = fragments.len() + *helpers as usize + 2 * *pixels as usize + 1;
         let small = invocations <= MOST_INVOCATIONS && (1..=8).contains(pixels);
@@ -228,6 +230,7 @@ impl Token {
             && *room <= 256
             && k.is_none_or(|k| (1..=256).contains(&k))
             && fragments.iter().all(|f| f.0 < *pixels && f.1 != u32::MAX)
+            && table.as_ref().is_none_or(|t| fits(t) && (1..=MOST_AGES).contains(&t.ages))
             && token.warp.is_none_or(|w| w > 0)
             && moves <= Self::MOST_MOVES;
         if sane { Ok(()) } else { Err(bad("describes no litmus pixel that fragloom makes")) }

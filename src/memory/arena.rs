@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 
 use super::layout::{At, Sizes};
 use super::word::{Atomics, Cells};
-use super::{Access, Kind, Order, Space, Update, Word};
+use super::{Access, Atomic, Global, Kind, Order, Space, Update, Word, Words};
 
 /// Words that many threads share. Plain words are relaxed atomics too, as safe Rust demands; on the machines at hand
 /// that is the same instruction.
@@ -76,6 +76,14 @@ impl Shared {
 }
 
 impl Shared {
+    /// All values of a run of the frame's words.
+    #[must_use]
+    pub fn copy<W: Word>(&self, words: Words<Global, Atomic, W>) -> Vec<u64> {
+        let view = self.view();
+        let read = |i| view.read(words.at(i), Access::Atomic(Order::Relaxed)).to_u64();
+        (0..words.count()).map(read).collect()
+    }
+
     pub(super) fn view(&self) -> SharedView<'_> {
         SharedView { words: (&self.words32, &self.words64), stride: self.stride }
     }
@@ -102,6 +110,15 @@ impl Owned {
     #[inline(always)]
     pub(super) fn index<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> usize {
         index(&self.stride, at)
+    }
+
+    /// A word's value, by its record and its place there; `None` where there is none.
+    pub(super) fn value(&self, record: u32, bits: u32, word: u64) -> Option<u64> {
+        let at = |stride: u64| (u64::from(record) * stride + word) as usize;
+        match bits {
+            64 => self.words64.get(at(self.stride.words64)).map(Cell::get),
+            _ => self.words32.get(at(self.stride.words32)).map(|word| u64::from(word.get())),
+        }
     }
 
     /// All words of a width.

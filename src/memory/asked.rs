@@ -163,7 +163,18 @@ pub struct Asked<'a> {
     /// Blocks opened so far in the body of each open block, and of the invocation.
     opened: RefCell<Vec<u32>>,
     sites: RefCell<Vec<Site>>,
+    /// After how many answers the invocation last said what it depends on, where, and on what.
+    here: RefCell<Option<(u32, Here)>>,
     lanes: bool,
+}
+
+/// A place in an invocation, and what it depends on from there on.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Here {
+    /// File, line and column.
+    pub site: (&'static str, u32, u32),
+    /// The values.
+    pub live: Vec<u64>,
 }
 
 impl<'a> Asked<'a> {
@@ -178,6 +189,7 @@ impl<'a> Asked<'a> {
             blocks: RefCell::default(),
             opened: RefCell::new(vec![0]),
             sites: RefCell::default(),
+            here: RefCell::default(),
             lanes,
         }
     }
@@ -186,6 +198,15 @@ impl<'a> Asked<'a> {
     #[must_use]
     pub fn request(&self) -> Option<Request> {
         self.request.get()
+    }
+
+    /// What the invocation said it depends on since the last answer, if it did.
+    #[must_use]
+    pub fn here(&self) -> Option<Here> {
+        let here = self.here.borrow();
+        here.as_ref()
+            .filter(|(after, _)| *after == self.answered.get())
+            .map(|(_, here)| here.clone())
     }
 
     /// Answer the request.
@@ -286,6 +307,12 @@ impl Memory for Asked<'_> {
 
     fn mark(&self) -> Mark {
         Mark(self.answered.get())
+    }
+
+    fn here(&self, live: &[u64]) {
+        let site = Location::caller();
+        let here = Here { site: (site.file(), site.line(), site.column()), live: live.to_vec() };
+        *self.here.borrow_mut() = Some((self.answered.get(), here));
     }
 
     fn block(&self) -> Block {

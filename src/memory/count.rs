@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-use super::{Access, Update, Word};
+use super::{Access, Event, Update, Word};
 
 /// Sees every operation of one memory handle. The unit type sees nothing and costs nothing.
 pub trait Observer {
@@ -29,6 +29,12 @@ pub trait Observer {
     #[inline(always)]
     fn spin(&self) {}
 
+    /// What an invocation says of itself.
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        let _ = event;
+    }
+
     /// What it counted, if it counts.
     fn counters(&self) -> Option<&Counters> {
         None
@@ -38,7 +44,7 @@ pub trait Observer {
 impl Observer for () {}
 
 /// What is counted, in the order of [`NAMES`].
-const KINDS: usize = 14;
+const KINDS: usize = 16;
 
 /// The counters' names in reports.
 pub const NAMES: [&str; KINDS] = [
@@ -56,11 +62,15 @@ pub const NAMES: [&str; KINDS] = [
     "failed_exchanges",
     "spins",
     "bytes",
+    "probes",
+    "evictions",
 ];
 
 const FAILED: usize = 11;
 const SPINS: usize = 12;
 const BYTES: usize = 13;
+const PROBES: usize = 14;
+const EVICTIONS: usize = 15;
 
 /// Counts operations by kind, exchanges that failed ([`Update::failed`]), waits, and the bytes of all words touched (a
 /// read-modify-write counts its word twice).
@@ -122,6 +132,15 @@ impl Observer for Counters {
     #[inline(always)]
     fn spin(&self) {
         self.bump(SPINS, 1);
+    }
+
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        let counter = match event {
+            Event::Probe => PROBES,
+            Event::Eviction => EVICTIONS,
+        };
+        self.bump(counter, 1);
     }
 
     fn counters(&self) -> Option<&Counters> {

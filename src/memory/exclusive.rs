@@ -8,7 +8,9 @@ use std::cell::Cell;
 use std::future::{Future, ready};
 
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
-use super::{Access, At, Atomic, Kind, Mark, Memory, Observer, Order, Pool, Space, Update, Word};
+use super::{
+    Access, At, Atomic, Event, Kind, Mark, Memory, Observer, Order, Pool, Space, Update, Word,
+};
 
 /// One worker's handle.
 #[derive(Clone, Copy, Debug)]
@@ -115,5 +117,10 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
         ready(())
+    }
+
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        self.observer.note(event);
     }
 }

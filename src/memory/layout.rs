@@ -113,6 +113,14 @@ impl<K, W> Words<Global, K, W> {
     }
 }
 
+impl<K, W> Words<Global, K, W> {
+    /// Which of the run's words stands at this place of the frame's words of its width, if one does.
+    #[must_use]
+    pub fn index_of(self, word: u64) -> Option<u64> {
+        word.checked_sub(self.first).filter(|&index| index < self.count)
+    }
+}
+
 impl<S, K, W> Words<S, K, W> {
     /// How many words the run has (per pixel, in pixel space).
     #[inline(always)]
@@ -159,6 +167,16 @@ pub struct Layout {
     global: Sizes,
     locks: Vec<u64>,
     interlocks: u64,
+    growing: Vec<Growing>,
+}
+
+/// Words of the frame that never become smaller while fragments are stored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Growing {
+    /// 32 or 64.
+    pub bits: u32,
+    /// Places among the frame's words of this width.
+    pub words: std::ops::Range<u64>,
 }
 
 impl Layout {
@@ -190,6 +208,18 @@ impl Layout {
     pub fn interlock(&mut self) -> Words<Pixel, Atomic, u32> {
         self.interlocks += 1;
         self.pixel(1)
+    }
+
+    /// Say that no store invocation ever makes these words smaller. Checks look at it.
+    pub fn grows<W: Word>(&mut self, words: Words<Global, Atomic, W>) {
+        let all = words.first..words.first + words.count;
+        self.growing.push(Growing { bits: W::BITS, words: all });
+    }
+
+    /// Words that never become smaller while fragments are stored.
+    #[must_use]
+    pub fn growing(&self) -> &[Growing] {
+        &self.growing
     }
 
     /// Words of a pixel that stand for hardware.

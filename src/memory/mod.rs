@@ -28,7 +28,7 @@ use std::future::Future;
 pub use asked::Snapshot;
 pub use both::{Both, both};
 pub use count::{Counters, Observer};
-pub use layout::{At, Atomic, Global, Kind, Layout, Pixel, Plain, Pool, Space, Words};
+pub use layout::{At, Atomic, Global, Growing, Kind, Layout, Pixel, Plain, Pool, Space, Words};
 pub use word::Word;
 
 /// How an atomic operation is ordered against others, as in C++ and Rust (there is no sequentially consistent one:
@@ -113,6 +113,15 @@ impl<W: Word> Update<W> {
     }
 }
 
+/// What an invocation is about, for counters only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// It looks at a cell of a hash table.
+    Probe,
+    /// It has pushed a record out of its cell.
+    Eviction,
+}
+
 /// A place in an invocation that a wait goes back to: see [`Memory::mark`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark(pub u32);
@@ -165,6 +174,22 @@ pub trait Memory {
     #[inline(always)]
     fn mark(&self) -> Mark {
         Mark(0)
+    }
+
+    /// Say that from here on this invocation depends on these values and on nothing else that it has seen. No operation.
+    ///
+    /// It is a claim, as [`Memory::spin`] makes one: search takes invocations of one task for one where they stand at the
+    /// same place with the same values, and checks it. Good for loops whose turns carry little over.
+    #[inline(always)]
+    #[track_caller]
+    fn here(&self, live: &[u64]) {
+        let _ = live;
+    }
+
+    /// Have something counted; no operation.
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        let _ = event;
     }
 
     /// Open a block: a loop or a branch with operations in it, after which the lanes of a warp come together again

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::future::{Future, Ready, ready};
 
 use super::arena::{Arena, Shared, SharedView};
-use super::{Access, At, Atomic, Kind, Mark, Memory, Observer, Order, Space, Update, Word};
+use super::{Access, At, Atomic, Event, Kind, Mark, Memory, Observer, Order, Space, Update, Word};
 
 /// Failed attempts after which a waiting thread gives up its core for once: the holder may not be running.
 const SPINS_BEFORE_YIELD: u32 = 64;
@@ -76,6 +76,11 @@ impl<O: Observer> Memory for Native<'_, O> {
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();
         wait()
+    }
+
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        self.observer.note(event);
     }
 }
 

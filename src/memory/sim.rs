@@ -16,7 +16,11 @@ use std::pin::Pin;
 use std::task::{Context, Poll};
 
 use super::arena::Owned;
-use super::{Access, At, Atomic, Kind, Layout, Mark, Memory, Observer, Order, Space, Update, Word};
+use super::asked::Cells as Numbers;
+use super::{
+    Access, At, Atomic, Event, Global, Kind, Layout, Mark, Memory, Observer, Order, Space, Update,
+    Word, Words,
+};
 
 /// The memory of a simulated device; its operations are reported to an observer.
 #[derive(Debug)]
@@ -26,7 +30,23 @@ pub struct Sim<O> {
     granted: Cell<bool>,
     /// An invocation has waited since this was last asked.
     waited: Cell<bool>,
+    /// Whether changes are told.
+    telling: Cell<bool>,
+    changed: Cell<Option<Change>>,
     observer: O,
+}
+
+/// What an operation did to a word of the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// 32 or 64.
+    pub bits: u32,
+    /// Place among the frame's words of this width.
+    pub word: u64,
+    /// What was there.
+    pub old: u64,
+    /// What is there.
+    pub new: u64,
 }
 
 #[allow(clippy::inline_always, reason = "see `Memory`")]
@@ -41,7 +61,15 @@ impl<O: Observer> Sim<O> {
             pixel.fill(pattern);
             global.fill(pattern);
         }
-        Self { pixel, global, granted: Cell::new(false), waited: Cell::new(false), observer }
+        Self {
+            pixel,
+            global,
+            granted: Cell::new(false),
+            waited: Cell::new(false),
+            telling: Cell::new(false),
+            changed: Cell::new(None),
+            observer,
+        }
     }
 
     /// Allow one operation: the next poll of an invocation performs it.
@@ -54,6 +82,42 @@ impl<O: Observer> Sim<O> {
     #[inline]
     pub fn take_waited(&self) -> bool {
         self.waited.get() && self.waited.replace(false)
+    }
+
+    /// Tell changes of the frame's words from now on, or no more.
+    pub fn tell_changes(&self, telling: bool) {
+        self.telling.set(telling);
+        self.changed.set(None);
+    }
+
+    /// What the last operation changed, if it was a word of the frame.
+    pub fn take_change(&self) -> Option<Change> {
+        self.changed.take()
+    }
+
+    /// The value of a word, by its number.
+    #[must_use]
+    pub fn value(&self, cells: &Numbers, cell: u32) -> Option<u64> {
+        let name = cells.name(cell);
+        let (arena, record) = match name.pixel {
+            None => (&self.global, 0),
+            Some(pixel) => (&self.pixel, pixel),
+        };
+        arena.value(record, name.bits, name.word)
+    }
+
+    /// All values of a run of the frame's words.
+    pub fn copy<W: Word>(&self, words: Words<Global, Atomic, W>) -> Vec<u64> {
+        let all = self.global.words::<W>();
+        (0..words.count()).map(|i| all[words.at(i).word as usize].get().to_u64()).collect()
+    }
+
+    #[inline(always)]
+    fn changes<S: Space, W: Word>(&self, index: usize, old: W, new: W) {
+        if S::GLOBAL && self.telling.get() {
+            let (old, new) = (old.to_u64(), new.to_u64());
+            self.changed.set(Some(Change { bits: W::BITS, word: index as u64, old, new }));
+        }
     }
 
     /// What sees the operations.
@@ -132,8 +196,10 @@ impl<O: Observer> Memory for Sim<O> {
         value: W,
         access: Access,
     ) -> impl Future<Output = ()> + Unpin {
+        let index = self.arena::<S>().index(at);
         self.step(at, move |mem: &Self, word| {
             mem.observer.write(access, W::BITS);
+            mem.changes::<S, W>(index, word.get(), value);
             word.set(value);
         })
     }
@@ -145,9 +211,12 @@ impl<O: Observer> Memory for Sim<O> {
         update: Update<W>,
         _: Order,
     ) -> impl Future<Output = W> + Unpin {
+        let index = self.arena::<S>().index(at);
         self.step(at, move |mem: &Self, word| {
             let old = word.get();
-            word.set(update.apply(old));
+            let new = update.apply(old);
+            word.set(new);
+            mem.changes::<S, W>(index, old, new);
             mem.observer.update(update, old);
             old
         })
@@ -159,5 +228,10 @@ impl<O: Observer> Memory for Sim<O> {
         self.observer.spin();
         self.waited.set(true);
         std::future::ready(())
+    }
+
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        self.observer.note(event);
     }
 }

@@ -21,7 +21,9 @@ pub(super) type Atomics<'a> = (&'a [AtomicU32], &'a [AtomicU64]);
 
 /// `u32` or `u64`.
 #[allow(private_interfaces, reason = "the hidden functions are for this module's memories alone")]
-pub trait Word: Copy + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + 'static {
+pub trait Word:
+    Copy + Send + Sync + Unpin + Ord + Hash + Debug + Default + sealed::Sealed + 'static
+{
     /// 32 or 64.
     const BITS: u32;
 

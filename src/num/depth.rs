@@ -44,6 +44,15 @@ impl Format {
         }
     }
 
+    /// Bits of the stored word that can differ.
+    #[must_use]
+    pub fn bits(self) -> u32 {
+        match self {
+            Self::D32 | Self::F32 => 32,
+            Self::D24 => 24,
+        }
+    }
+
     /// The depth, 0..1, of a stored word: in the middle of the codes that have it, where there are several. It keeps the
     /// order of words.
     #[inline]

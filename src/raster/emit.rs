@@ -57,6 +57,9 @@ impl FrontEnd {
     pub fn fragments(&self, packet: Packet, record: Record, first_pixel: u32, batch: &mut Batch) {
         let primitive = &self.primitives()[packet.primitive as usize];
         match (record.data, self.surface(primitive), &self.attenuation) {
+            (Data::Nothing, ..) => {
+                self.emit(packet, record.depth, first_pixel, batch, |_, _, _| 0);
+            }
             (Data::Primitive, ..) => {
                 let word = primitive.triangle;
                 self.emit(packet, record.depth, first_pixel, batch, |_, _, _| word);

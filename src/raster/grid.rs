@@ -8,7 +8,7 @@ use super::primitive::Rect;
 use crate::fragment::{BLOCK, Packet};
 
 /// An image of `width` x `height` pixels in square tiles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Grid {
     /// Pixels across.
     pub width: u32,
@@ -105,6 +105,18 @@ impl Grid {
     pub fn pixel(&self, x: u32, y: u32) -> u32 {
         let tile = y / self.tile * self.columns() + x / self.tile;
         tile * self.tile * self.tile + self.local_pixel(x, y)
+    }
+
+    /// The screen position of a storage place; it may lie outside the image. The inverse of [`Self::pixel`].
+    #[inline]
+    #[must_use]
+    pub fn place(&self, pixel: u32) -> (u32, u32) {
+        let (per_tile, columns) = (self.tile * self.tile, self.columns());
+        let (tile, local) = (pixel / per_tile, pixel % per_tile);
+        let (block, bit, blocks) = (local / 64, local % 64, self.tile / BLOCK);
+        let x = tile % columns * self.tile + block % blocks * BLOCK + bit % BLOCK;
+        let y = tile / columns * self.tile + block / blocks * BLOCK + bit / BLOCK;
+        (x, y)
     }
 
     /// The screen position of a storage place within a tile; it may lie outside the image.

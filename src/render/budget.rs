@@ -53,6 +53,8 @@ impl<'a> Scene<'a> {
             max_depth_complexity: self.histogram.len() as u32 - 1,
             bounded: self.sum(|f| bound.map_or(f, |k| k.min(f))),
             pages: self.sum(|f| f.div_ceil(u64::from(self.contract.page))),
+            grid: self.front.grid,
+            ..Config::default()
         }
     }
 
@@ -125,6 +127,14 @@ impl<'a> Scene<'a> {
         }
         Ok(fits)
     }
+}
+
+/// The bytes of a method's storage for a configuration, by its own declaration.
+///
+/// # Errors
+/// An unknown method.
+pub fn storage_bytes(method: &str, config: &Config) -> Result<u64> {
+    catalogue::visit(method, Bytes { config: *config })
 }
 
 /// Asks a method how many bytes it needs.

@@ -16,6 +16,14 @@ const KEPT_BYTES: u64 = 16;
 /// Refuse storage that would not fit.
 pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Result<()> {
     let grid = &job.front.grid;
+    if grid.storage_pixels() > job.contract.max_pixels as usize {
+        let (name, most) = (job.contract.name, job.contract.max_pixels);
+        let found = grid.storage_pixels();
+        let problem = format!(
+            "the image has {found} pixels in whole tiles, but {name} tells at most {most} apart"
+        );
+        return Err(Error::new("--size", problem));
+    }
     let pixels = match options.exec {
         Exec::Tile if job.contract.program.is_local() => job.threads * grid.pixels_per_tile(),
         // Where pixels wait for each other, every tile keeps its memory from pass to pass.

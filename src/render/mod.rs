@@ -2,6 +2,8 @@
 
 mod budget;
 mod effects;
+mod frames;
+mod hash;
 mod limits;
 mod options;
 mod report;
@@ -24,11 +26,15 @@ use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::{Config, Scheme};
 
 pub use crate::effect::Effect;
+pub use crate::exec::sim::Checked;
 pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::Lists;
-pub use budget::Budget;
+pub use crate::scheme::hash::Offsets;
+pub use budget::{Budget, storage_bytes};
+pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
+pub use hash::{HashOptions, TableReport};
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
 pub use report::{Report, ShadowReport};
 
@@ -103,6 +109,10 @@ fn draw(
         let (within, budget) = budget::Scene::new(&front, contract).within(bytes, options.k)?;
         (config, chosen) = (within, Some(budget));
     }
+    config.grid = grid;
+    if contract.crosses {
+        config.hash = options.hash.settings(config.generated, scene.size)?;
+    }
     let k = config.k;
     watch.lap("count");
     let job = Job {
@@ -114,6 +124,7 @@ fn draw(
         contract,
         before_tile,
         threads,
+        opaque: options.hash.opaque(),
     };
     limits::kept(options, &job)?;
     limits::voxels(options, &grid)?;
@@ -123,7 +134,7 @@ fn draw(
     let (lists, composited) = executed.frame.assemble(&grid);
     watch.lap("assemble");
     let stage = Stage { scene, front: &front, format: job.record.depth, lists: &lists };
-    let mut report = account(scene, contract, &front, &executed);
+    let mut report = account(scene, options, &front, &executed);
     let Made { image, surfaces, voxels, .. } = effects::make(&options.effect, &stage, &mut report)?;
     let image = image.unwrap_or(composited);
     if options.effect != Effect::Transparency {
@@ -172,7 +183,7 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, 
 fn record(options: &Options, contract: &Contract) -> Record {
     Record {
         depth: options.depth_format.or(contract.depth_format).unwrap_or_default(),
-        data: options.data,
+        data: contract.data.unwrap_or(options.data),
     }
 }
 
@@ -183,9 +194,10 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     if !sim.record && !matches!(sim.policy, Policy::Recorded(_)) {
         return 0;
     }
-    let Options { method, k, memory_budget, depth_format, data, .. } = options;
+    let Options { method, k, memory_budget, depth_format, data, hash, .. } = options;
     let size = (front.grid.width, front.grid.height);
-    let head = format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?}");
+    let head =
+        format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?} {hash:?}");
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
@@ -200,11 +212,13 @@ struct Run<'a> {
 
 /// What an executor gave.
 struct Executed {
+    contract: &'static Contract,
     frame: Frame,
     bytes: u64,
     exec: &'static str,
     schedule: Option<Vec<u8>>,
     watched: Option<Watched>,
+    checked: Option<Checked>,
 }
 
 impl Visitor for Run<'_> {
@@ -227,7 +241,9 @@ impl Visitor for Run<'_> {
     fn exact(self) -> Result<Executed> {
         let frame = exec::oracle::run(self.job, self.config.k);
         let bytes = 8 * frame.tally.generated;
-        Ok(Executed { frame, bytes, exec: "sequential", schedule: None, watched: None })
+        let (schedule, watched, checked) = (None, None, None);
+        let contract = self.job.contract;
+        Ok(Executed { contract, frame, bytes, exec: "sequential", schedule, watched, checked })
     }
 }
 
@@ -238,14 +254,22 @@ impl Run<'_> {
         limits::storage(self.options, self.job, &layout)?;
         let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
         let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
-        let mut executed =
-            Executed { frame: Frame::default(), bytes, exec, schedule: None, watched: None };
+        let mut executed = Executed {
+            contract: self.job.contract,
+            frame: Frame::default(),
+            bytes,
+            exec,
+            schedule: None,
+            watched: None,
+            checked: None,
+        };
         executed.frame = match &self.options.exec {
             Exec::Tile => exec::tile::run::<O>(&scheme, &layout, self.job),
             Exec::Threads => exec::threads::run::<O>(&scheme, &layout, self.job),
             Exec::Sim(sim) => {
                 let run = self.simulate::<S, O>(&scheme, &layout, sim)?;
                 (executed.schedule, executed.watched) = (run.schedule, run.watched);
+                executed.checked = run.checked;
                 run.frame
             }
         };
@@ -258,19 +282,29 @@ impl Run<'_> {
         layout: &Layout,
         sim: &Sim,
     ) -> Result<Simulated> {
-        let Sim { policy, seed, resident, record, watch } = sim.clone();
+        let Sim { policy, seed, resident, record, watch, check } = sim.clone();
         let (fingerprint, grid) = (self.fingerprint, &self.job.front.grid);
         let inside = watch.filter(|&[x, y]| x < grid.width && y < grid.height);
         let watch = inside.map(|[x, y]| grid.pixel(x, y));
-        let settings = policy::Settings { policy, seed, resident, record, fingerprint, watch };
+        let settings =
+            policy::Settings { policy, seed, resident, record, fingerprint, watch, check };
         exec::sim::run::<S, O>(scheme, layout, self.job, &settings, GARBAGE)
     }
 }
 
 /// The report, but for what is known only after assembly.
-fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Executed) -> Report {
-    let tally = &executed.frame.tally;
-    let dropped = [("lost", tally.lost), ("overflow", tally.overflow), ("pool", tally.pool)];
+fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Executed) -> Report {
+    let (tally, contract) = (&executed.frame.tally, executed.contract);
+    let table = executed.frame.table.as_ref().map(TableReport::new);
+    // Beyond the largest age: where no cell is empty, for want of room, whatever the largest age.
+    let full = table.as_ref().is_some_and(TableReport::is_full);
+    let dropped = [
+        (if full { "full" } else { "age" }, tally.age),
+        ("duplicate", tally.duplicate),
+        ("lost", tally.lost),
+        ("overflow", tally.overflow),
+        ("pool", tally.pool),
+    ];
     Report {
         method: contract.name.to_owned(),
         scene: scene.name.clone(),
@@ -292,8 +326,11 @@ fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Exec
         passes: contract.program.geometry(),
         rounds: executed.frame.rounds,
         counters: executed.frame.counters.by_name(),
-        warnings: scene.warnings.clone(),
-        violations: violations(contract, tally),
+        table,
+        checked: executed.checked.as_ref().map(|checked| checked.steps),
+        warnings: [scene.warnings.clone(), hash::idle(options, contract).into_iter().collect()]
+            .concat(),
+        violations: violations(contract, tally, executed.checked.as_ref()),
         ..Report::default()
     }
 }
@@ -302,32 +339,44 @@ fn account(scene: &Scene, contract: &Contract, front: &FrontEnd, executed: &Exec
 fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
     names.extend(["bytes", "passes"]);
-    if !contract.racy {
+    let open = contract.racy || contract.keeps == Keeps::Visible;
+    if !open {
         names.extend(["duplicated", "torn", "merged"]);
         // Who takes a page that others would have filled depends on the order.
-        if tally.dropped() == 0 || contract.page == 1 {
-            names.extend(["kept", "dropped"]);
+        let settled = !contract.crosses || contract.settled_overflow;
+        if tally.dropped() == 0 || (contract.page == 1 && settled) {
+            names.push("kept");
+        }
+        // Two that are alike and find no room may be told apart on the way, or not.
+        if tally.dropped() == 0 || (contract.page == 1 && (!contract.crosses || tally.age == 0)) {
+            names.push("dropped");
         }
     }
     // What finds no room depends on arrival, whatever the contract says of the rest.
-    if !contract.racy && tally.overflow + tally.pool == 0 {
+    let unsettled = if contract.settled_overflow { 0 } else { tally.age };
+    if !open && tally.overflow + tally.pool + unsettled == 0 {
         names.extend(["image_hash", "fragments_hash"]);
     }
     names.into_iter().map(str::to_owned).collect()
 }
 
 /// What the method promised and did not keep.
-fn violations(contract: &Contract, tally: &Tally) -> Vec<String> {
+fn violations(contract: &Contract, tally: &Tally, checked: Option<&Checked>) -> Vec<String> {
     let mut found = Vec::new();
-    // Who keeps one of every depth loses the others, and says so.
-    let lost = if contract.keeps == Keeps::Layers { 0 } else { tally.lost };
-    if contract.judged && !contract.racy && lost + tally.duplicated + tally.torn > 0 {
+    if let Some((checked, first)) = checked.and_then(|c| Some((c, c.first.as_ref()?))) {
+        found.push(format!("after {} of {} steps: {first}", checked.violations, checked.steps));
+    }
+    // Who keeps one of every depth loses the others, and says so; so does a published form that loses some.
+    let loses = matches!(contract.keeps, Keeps::Layers | Keeps::Some);
+    let lost = if loses { 0 } else { tally.lost };
+    let compared = contract.judged || contract.crosses;
+    if compared && !contract.racy && lost + tally.duplicated + tally.torn > 0 {
         found.push(format!(
             "{lost} fragments lost, {} duplicated, {} torn",
             tally.duplicated, tally.torn
         ));
     }
-    if !contract.judged && !contract.racy && tally.unbalanced > 0 {
+    if !compared && !contract.racy && tally.unbalanced > 0 {
         found.push(format!(
             "{} pixels do not balance: {} fragments lost, {} duplicated, {} torn",
             tally.unbalanced, tally.lost, tally.duplicated, tally.torn

@@ -8,6 +8,8 @@ use crate::raster::CullFace;
 use crate::scene::MAX_SIZE;
 use crate::scheme::Contract;
 
+use super::hash::HashOptions;
+
 pub use crate::exec::sim::policy::Kind as Policy;
 pub use crate::resolve::sort::Sort;
 
@@ -42,6 +44,8 @@ pub struct Options {
     /// Bytes that the method's storage may take: k, or the room for fragments, is the largest that fits. Not together
     /// with `k`, where storage depends on it.
     pub memory_budget: Option<u64>,
+    /// How hash tables are made.
+    pub hash: HashOptions,
     /// How a pixel's fragments are sorted.
     pub sort: Sort,
     /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
@@ -65,6 +69,7 @@ impl Default for Options {
             shadows: None,
             counters: true,
             memory_budget: None,
+            hash: HashOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
         }
@@ -117,11 +122,20 @@ pub struct Sim {
     pub record: bool,
     /// A pixel, column and row from the top left, whose fragments and steps are told.
     pub watch: Option<[u32; 2]>,
+    /// Look at memory after every step of the store pass, as far as the method says what must be true of it.
+    pub check: bool,
 }
 
 impl Default for Sim {
     fn default() -> Self {
-        Self { policy: Policy::Random, seed: 0, resident: 4_096, record: false, watch: None }
+        Self {
+            policy: Policy::Random,
+            seed: 0,
+            resident: 4_096,
+            record: false,
+            watch: None,
+            check: false,
+        }
     }
 }
 
@@ -160,6 +174,20 @@ impl Options {
             let bits = self.sub_pixel_bits;
             return wrong("--sub-pixel-bits", format!("is {bits}, but must be 8 or 4"));
         }
+        self.hash.check()?;
+        if let (Some(bytes), true) = (self.memory_budget, contract.crosses) {
+            let sized = if self.hash.load.is_some() { Some("--load") } else { None };
+            if let Some(other) = sized.or(self.hash.size.map(|_| "--table")) {
+                let problem = format!("{bytes} bytes, and {other}: both size the table, give one");
+                return wrong("--memory-budget", problem);
+            }
+        }
+        let format = self.depth_format.or(contract.depth_format).unwrap_or_default();
+        if format.bits() > contract.depth_bits {
+            let (name, bits) = (contract.name, contract.depth_bits);
+            let problem = format!("is {}, but {name}'s records hold {bits} bits", format.name());
+            return wrong("--depth-format", problem);
+        }
         if self.threads > MAX_THREADS {
             let n = self.threads;
             return wrong("--threads", format!("is {n}, but at most {MAX_THREADS} are possible"));
@@ -173,12 +201,22 @@ impl Options {
             let n = sim.resident;
             return wrong("--resident", format!("is {n}, but must be 1 to {MAX_RESIDENT}"));
         }
-        self.check_effect()?;
+        self.check_effect(contract)?;
         self.check_shadows()
     }
 
-    fn check_effect(&self) -> Result<()> {
+    fn check_effect(&self, contract: &Contract) -> Result<()> {
         let name = self.effect.name();
+        let (method, stores) = (contract.name, contract.data);
+        if self.effect.needs_primitives() && stores.is_some_and(|data| data != Data::Primitive) {
+            let problem =
+                format!("{name} must know a fragment's object, but {method} stores no triangle");
+            return Err(Error::new("--effect", problem));
+        }
+        if self.shadows.is_some() && stores == Some(Data::Nothing) {
+            let problem = format!("need colours, but {method} stores depths alone");
+            return Err(Error::new("--shadows", problem));
+        }
         if self.effect.needs_primitives() && self.data != Data::Primitive {
             let problem =
                 format!("color: {name} must know a fragment's object, so it needs primitive");

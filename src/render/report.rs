@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::Budget;
+use super::{Budget, TableReport};
 
 /// The accounting of a frame from the light.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -67,6 +67,12 @@ pub struct Report {
     /// What a memory budget led to, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
+    /// The hash table, if the method has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableReport>,
+    /// Steps after which memory was looked at, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checked: Option<u64>,
     /// What was made of the lists: `oit`, `media`, `csg` or `ldi`.
     pub effect: String,
     /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`), or

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::text::{Align, columns, percent, thousands};
-use crate::render::{Budget, Report, ShadowReport};
+use crate::render::{Budget, Report, ShadowReport, TableReport};
 
 /// The whole table. Fields that the schedule may change carry a `*`.
 #[must_use]
@@ -105,6 +105,7 @@ fn facts(report: &Report) -> String {
         ["geometry passes".to_owned(), passes(report)],
     ];
     rows.extend(report.budget.as_ref().map(budget));
+    rows.extend(report.table.as_ref().map(table));
     rows.extend(effect(report));
     rows.extend(report.shadows.as_ref().map(shadows));
     for (name, hash) in
@@ -124,6 +125,15 @@ fn passes(report: &Report) -> String {
         0 | 1 => report.passes.to_string(),
         rounds => format!("{} ({rounds} rounds of {})", rounds * report.passes, report.passes),
     }
+}
+
+fn table(table: &TableReport) -> [String; 2] {
+    let TableReport { width, height, stored, load, max_age, .. } = table;
+    let text = format!(
+        "{width}x{height} cells, {} filled ({load:.1} %), largest age {max_age}",
+        thousands(*stored)
+    );
+    ["hash table".to_owned(), text]
 }
 
 fn budget(budget: &Budget) -> [String; 2] {

@@ -20,6 +20,16 @@ pub fn fragments_hash(width: u32, height: u32, offsets: &[u64], keys: &[u64]) ->
     hex(&hasher.finalize())
 }
 
+/// SHA-256, hexadecimal, of a hash table: over width and height (little-endian u32), then its cells (u64), row by row.
+#[must_use]
+pub fn table_hash([width, height]: [u32; 2], cells: &[u64]) -> String {
+    let mut hasher = Sha256::new();
+    hasher.update(width.to_le_bytes());
+    hasher.update(height.to_le_bytes());
+    update(&mut hasher, cells, u64::to_le_bytes);
+    hex(&hasher.finalize())
+}
+
 fn update<const N: usize>(hasher: &mut Sha256, words: &[u64], bytes: impl Fn(u64) -> [u8; N]) {
     let mut chunk = Vec::with_capacity(CHUNK);
     for some in words.chunks(CHUNK / N) {

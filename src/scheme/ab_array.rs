@@ -67,6 +67,7 @@ const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("ab_array.rs"),
+    ..Contract::BASE
 };
 
 impl Ticket for AtomicAdd {

@@ -75,6 +75,7 @@ const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("ab_ll.rs"),
+    ..Contract::BASE
 };
 
 impl Variant for Correct {

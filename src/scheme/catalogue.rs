@@ -10,6 +10,9 @@ use super::depth_peel::{self, DepthPeel};
 use super::depth_peel_bucket::BucketPeel;
 use super::depth_peel_dual::{self, DualPeel};
 use super::dfb::DynamicFragmentBuffer;
+use super::ha::{self, Bits32, Bits64, HaBuffer};
+use super::ha_cull::{self, HaCull};
+use super::hash_coherent::{self, HashCoherent};
 use super::kb::KBuffer;
 use super::kb_ab::{self, KbAb};
 use super::kb_ll::{self, KNearestList};
@@ -111,6 +114,14 @@ catalogue! {
         BucketPeel,
         KPlusMulti,
         KBufferMulti,
+        HaBuffer<Bits64>,
+        HaBuffer<Bits64, ha::Published>,
+        HaBuffer<Bits64, ha::Multiset>,
+        HaBuffer<Bits32>,
+        HaCull,
+        HaCull<ha_cull::Published>,
+        HashCoherent,
+        HashCoherent<hash_coherent::Published>,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -164,6 +175,15 @@ catalogue! {
         DualPeel<depth_peel_dual::MiddleTwice>,
         KPlusMulti<kplus_multi::Cut>,
         KBufferMulti<kb_multi::Unverified>,
+        HaBuffer<Bits64, ha::AgeOverflows>,
+        HaBuffer<Bits64, ha::NoBarrier>,
+        HaBuffer<Bits64, ha::NotReinserted>,
+        HaBuffer<Bits64, ha::AgeUntold>,
+        HaBuffer<Bits64, ha::OffsetReused>,
+        HaBuffer<Bits64, ha::LoadStore>,
+        HaBuffer<Bits64, ha::Area>,
+        HaBuffer<Bits64, ha::NoDepth>,
+        HaCull<ha_cull::Braces>,
     }
 }
 

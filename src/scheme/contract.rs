@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fragment::depth_of;
+use crate::fragment::{Data, depth_of};
 use crate::num::depth::Format;
 
 /// What a method promises.
@@ -24,12 +24,20 @@ pub struct Contract {
     /// complexity, or `-k`).
     pub words: &'static str,
     /// Words of 4 bytes for the frame: as above, with F (fragments of a geometry pass), S (the sum of min(f, k) over
-    /// pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks) and Q (pages).
+    /// pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks), Q (pages), C (cells of the hash table) and B
+    /// (blocks of 8x8 pixels in the picture).
     pub frame_words: &'static str,
     /// Words per pixel as its paper counts them, where it does: without what only our form needs.
     pub published_words: Option<&'static str>,
     /// What a pixel holds after resolve.
     pub keeps: Keeps,
+    /// Whether fragments of a pixel that are wholly alike, in depth and data, are all kept; else one of them is.
+    pub identical: bool,
+    /// Whether an invocation may end with a fragment of another pixel: what is dropped is known for the frame only, and
+    /// where anything was, the accounting compares lists.
+    pub crosses: bool,
+    /// Whether it does not depend on arrival either what finds no room.
+    pub settled_overflow: bool,
     /// Under which condition that equals the exact answer.
     pub exact_when: &'static str,
     /// Whether the result may depend on the order in which fragments arrive.
@@ -49,11 +57,17 @@ pub struct Contract {
     pub wgsl: Option<&'static str>,
     /// The depth word that the paper fixes; `None` where any will do.
     pub depth_format: Option<Format>,
+    /// Bits of the depth word that it has room for.
+    pub depth_bits: u32,
+    /// The data word that it needs; `None` where any will do.
+    pub data: Option<Data>,
     /// `-k` if it is not given; `None` where the method takes none or measures the scene. Where a method keeps all, it
     /// bounds what a round keeps.
     pub default_k: Option<u32>,
     /// The largest `-k`.
     pub max_k: u32,
+    /// The most pixels, with those of tiles that the image's edge cuts.
+    pub max_pixels: u32,
     /// What it must know of the scene before memory is allocated.
     pub demand: Demand,
     /// Fragments for which one index of its pool is, if it has one.
@@ -209,6 +223,10 @@ pub enum Keeps {
     Layers,
     /// Every fragment while there are free slots, then none.
     FirstArrivals,
+    /// Every fragment, but for some of those behind others that let no light through.
+    Visible,
+    /// Fewer than every fragment, by a fault of what was published: what is missing is counted as lost, and is no violation.
+    Some,
 }
 
 /// What a method must know of the scene before its memory is allocated.
@@ -239,6 +257,9 @@ impl Contract {
         frame_words: "0",
         published_words: None,
         keeps: Keeps::Nearest,
+        identical: true,
+        crosses: false,
+        settled_overflow: false,
         exact_when: "always",
         arrival_dependent: false,
         racy: false,
@@ -249,8 +270,11 @@ impl Contract {
         needs: "",
         wgsl: None,
         depth_format: None,
+        depth_bits: 32,
+        data: None,
         default_k: Some(8),
         max_k: u32::MAX / 4,
+        max_pixels: u32::MAX,
         demand: Demand::Nothing,
         interlock: false,
         source: "",
@@ -269,7 +293,7 @@ impl Contract {
     #[must_use]
     pub fn reference_k(&self, k: Option<u32>) -> Option<u32> {
         match self.keeps {
-            Keeps::All | Keeps::FirstArrivals => None,
+            Keeps::All | Keeps::FirstArrivals | Keeps::Visible | Keeps::Some => None,
             Keeps::Nearest | Keeps::Layers => k.or(self.default_k),
             Keeps::One => Some(1),
         }
@@ -277,6 +301,9 @@ impl Contract {
 
     /// What is kept of a pixel's sorted keys with the given k, where neither room nor arrival has a say.
     pub fn keep(&self, keys: &mut Vec<u64>, k: Option<u32>) {
+        if !self.identical {
+            keys.dedup();
+        }
         if self.keeps == Keeps::Layers {
             keys.dedup_by_key(|key| depth_of(*key));
         }

@@ -32,6 +32,7 @@ pub const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("exact.rs"),
+    ..Contract::BASE
 };
 
 /// The fragments of every pixel of a tile, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.

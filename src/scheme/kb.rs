@@ -60,6 +60,7 @@ impl Scheme for KBuffer {
         page: 1,
         interlock: false,
         source: include_str!("kb.rs"),
+        ..Contract::BASE
     };
 
     fn new(config: &Config, layout: &mut Layout) -> Self {

@@ -130,6 +130,7 @@ const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("kplus_array.rs"),
+    ..Contract::BASE
 };
 
 impl Variant for Correct {

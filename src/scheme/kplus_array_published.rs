@@ -70,6 +70,7 @@ const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("kplus_array_published.rs"),
+    ..Contract::BASE
 };
 
 impl Locking for PlainUnlock {

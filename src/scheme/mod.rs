@@ -24,8 +24,12 @@ pub mod depth_peel_dual;
 pub mod dfb;
 pub mod ends;
 pub mod exact;
+pub mod ha;
+pub mod ha_cull;
 #[cfg(test)]
 mod hand_made;
+pub mod hash;
+pub mod hash_coherent;
 pub mod interlock;
 pub mod kb;
 pub mod kb_ab;
@@ -51,6 +55,7 @@ pub mod s_buffer;
 pub mod select;
 pub mod slots;
 pub mod task;
+pub mod visible;
 pub mod z_buffer;
 
 use std::future::Future;
@@ -59,7 +64,8 @@ pub use catalogue::contracts;
 pub use contract::{Contract, Form, Keeps};
 
 use crate::fragment::Fragment;
-use crate::memory::{Layout, Memory, Snapshot};
+use crate::memory::{Atomic, Global, Layout, Memory, Snapshot, Words};
+use crate::raster::Grid;
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -76,6 +82,10 @@ pub struct Config {
     pub bounded: u64,
     /// Pages that hold all fragments of every pixel, by the contract's size of a page.
     pub pages: u64,
+    /// How pixels are numbered, for methods that must know where on the screen they are.
+    pub grid: Grid,
+    /// How hash tables are made.
+    pub hash: hash::Settings,
 }
 
 /// What became of a fragment, as far as its own invocation can tell.
@@ -92,6 +102,31 @@ pub enum Outcome {
     Overflow,
     /// Not stored, for want of room in the frame's pool.
     Pool,
+    /// Not stored, for it is already there: same pixel, same depth, same data.
+    Duplicate,
+    /// Not stored: beyond the largest age of a hash table, or the table is full. Who is not stored may be another than
+    /// the invocation's own fragment, also of another pixel.
+    Age,
+}
+
+/// Words of the frame that the application reads back after the frame: a hash table's cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Readback {
+    /// Cells across and down.
+    pub size: [u32; 2],
+    /// The bit of a cell at which its age begins.
+    pub age_bit: u32,
+    /// The cells, row by row.
+    pub cells: Cells,
+}
+
+/// Words of either width.
+#[derive(Clone, Copy, Debug)]
+pub enum Cells {
+    /// Of 32 bits.
+    Words32(Words<Global, Atomic, u32>),
+    /// Of 64 bits.
+    Words64(Words<Global, Atomic, u64>),
 }
 
 /// When an invariant is looked at.
@@ -163,6 +198,18 @@ pub trait Scheme: Sync + Sized {
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
         let _ = (words, pixel, moment);
         Ok(())
+    }
+
+    /// Which pixel's invariant depends on the value written to one of the frame's words, by its place among those of its
+    /// width; `None` if no pixel's does.
+    fn owner(&self, bits: u32, word: u64, value: u64) -> Option<u32> {
+        let _ = (bits, word, value);
+        None
+    }
+
+    /// What the application reads back after a frame.
+    fn readback(&self) -> Option<Readback> {
+        None
     }
 
     /// Resolve pass, one invocation per pixel: append the pixel's fragments to `keys`, in any order.

@@ -76,7 +76,7 @@ pub const MUTATIONS: &[Mutation] = &[
         "a switch between ordered and unordered that is not connected",
         "needs an ordered form: no such method yet",
     ),
-    absent("M13", "the age field overflows", "needs an age: no such method yet"),
+    built_in("M13", "the age field overflows", &["ha64@M13"]),
     built_in(
         "M14",
         "a bound test with <= for <",
@@ -91,7 +91,13 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in(
         "M17",
         "a missing barrier between clear, store and resolve",
-        &["kplus-array@M17", "kplus-array@M17-resolve", "s-buffer@M17", "ab-ll-bucket@M17"],
+        &[
+            "kplus-array@M17",
+            "kplus-array@M17-resolve",
+            "s-buffer@M17",
+            "ab-ll-bucket@M17",
+            "ha64@M17",
+        ],
     ),
     built_in(
         "M18",
@@ -125,8 +131,8 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in("plain-head", "a head replaced by a load and a store", &["ab-ll@plain-head"]),
     built_in(
         "load-store",
-        "a load, a comparison and a store for an atomic minimum",
-        &["z-buffer@load-store", "kb-mdt64@load-store"],
+        "a load, a comparison and a store for an atomic minimum or maximum",
+        &["z-buffer@load-store", "kb-mdt64@load-store", "ha64@load-store"],
     ),
     built_in("plain-count", "a count pass of loads and stores", &["s-buffer@plain-count"]),
     built_in(
@@ -158,6 +164,24 @@ pub const MUTATIONS: &[Mutation] = &[
         "unverified",
         "a pass without synchronisation, and none that verifies it",
         &["kb-multi@unverified"],
+    ),
+    built_in("no-reinsert", "who is pushed out of a cell is forgotten", &["ha64@no-reinsert"]),
+    built_in("max-age", "the largest age of a block is not told", &["ha64@max-age"]),
+    built_in(
+        "offset",
+        "an evicted record's pixel is computed with the evicting record's offset",
+        &["ha64@offset"],
+    ),
+    built_in(
+        "area",
+        "a table of as many cells as there are pixels, but narrower than the screen",
+        &["ha64@area"],
+    ),
+    built_in("no-depth", "records are compared without depth", &["ha64@no-depth"]),
+    built_in(
+        "braces",
+        "early culling with the age raised at the end of every turn, as listed",
+        &["ha64-cull@braces"],
     ),
 ];
 

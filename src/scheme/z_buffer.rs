@@ -65,6 +65,7 @@ const CONTRACT: Contract = Contract {
     page: 1,
     interlock: false,
     source: include_str!("z_buffer.rs"),
+    ..Contract::BASE
 };
 
 impl Variant for Correct {

@@ -22,7 +22,7 @@ pub(crate) fn draw(scene: &Scene, options: &Options) -> Rendering {
 
 /// The simulated device with a policy; few resident invocations, so that small scenes overlap in many ways.
 pub(crate) fn sim(policy: Policy, seed: u64) -> Exec {
-    Exec::Sim(Sim { policy, seed, resident: 96, record: false, watch: None })
+    Exec::Sim(Sim { policy, seed, resident: 96, record: false, watch: None, check: false })
 }
 
 /// The policies that are not recordings.

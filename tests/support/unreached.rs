@@ -3,7 +3,7 @@
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use fragloom::num::depth::EMPTY;
-use fragloom::scheme::contract::{Demand, Form, Keeps, Program};
+use fragloom::scheme::contract::Keeps;
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Keeps the smallest key, in one 64-bit word.
@@ -15,29 +15,15 @@ impl Scheme for Unreached {
     const CONTRACT: Contract = Contract {
         name: "unreached",
         title: "Z-buffer in one word, with an operation too many",
-        paper: "",
-        section: "",
-        form: Form::Correct,
-        program: Program::STORE,
         words: "2",
-        frame_words: "0",
-        published_words: None,
         keeps: Keeps::One,
-        exact_when: "always",
-        arrival_dependent: false,
-        racy: false,
-        judged: false,
         ties: "canonical",
         overflow: "the farther one is dropped",
         needs: "64-bit atomic minimum",
-        wgsl: None,
-        depth_format: None,
         default_k: None,
         max_k: 1,
-        demand: Demand::Nothing,
-        page: 1,
-        interlock: false,
         source: include_str!("unreached.rs"),
+        ..Contract::BASE
     };
 
     fn new(_: &Config, layout: &mut Layout) -> Self {

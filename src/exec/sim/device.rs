@@ -3,6 +3,7 @@
 use std::future::Future;
 use std::pin::Pin;
 
+use super::checker::Check;
 use super::pass::{Pass, Watcher};
 use super::policy::{Any, Policy, Settings};
 use super::schedule::Recorder;
@@ -19,7 +20,7 @@ type Invocation<'a> = Pin<Box<dyn Future<Output = Ended> + 'a>>;
 
 /// The scheme, its memory, and who goes next.
 #[derive(Debug)]
-pub struct Device<'a, S, O> {
+pub(super) struct Device<'a, S, O> {
     scheme: &'a S,
     mem: &'a Sim<O>,
     turns: Turns,
@@ -39,7 +40,7 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
     ///
     /// # Errors
     /// A recorded schedule that cannot be read, or belongs to another run.
-    pub fn new(scheme: &'a S, mem: &'a Sim<O>, settings: &Settings) -> Result<Self> {
+    pub(super) fn new(scheme: &'a S, mem: &'a Sim<O>, settings: &Settings) -> Result<Self> {
         let policy = Any::new(settings)?;
         let (resident, group) = (policy.resident(settings.resident), policy.group());
         let recorder =
@@ -52,38 +53,40 @@ impl<'a, S: Scheme, O: Observer> Device<'a, S, O> {
     ///
     /// # Errors
     /// A recorded schedule that does not fit, or a schedule under which nothing ends any more.
-    pub fn store<'b>(
+    pub(super) fn store<'b>(
         &'b mut self,
         work: impl Iterator<Item = Fragment>,
         done: impl FnMut(&Fragment, Outcome),
         watcher: Option<&'b mut Recording>,
+        checker: Option<&'b mut (dyn Check + 'b)>,
     ) -> Result<()> {
         let (scheme, mem) = (self.scheme, self.mem);
         let invoke = move |&fragment: &Fragment| scheme.store(mem, fragment);
         let watcher = watcher.map(|w| w as &mut (dyn Watcher<Fragment> + 'b));
-        self.turns.pass(mem, work, invoke, done, watcher)
+        self.turns.pass(mem, work, invoke, done, watcher, checker)
     }
 
     /// Run invocations of any passes, to the end. What stands in one queue has no barrier inside.
     ///
     /// # Errors
     /// See [`Self::store`].
-    pub fn tasks<'b>(
+    pub(super) fn tasks<'b>(
         &'b mut self,
         work: Box<dyn Iterator<Item = Task> + 'b>,
         done: &'b mut dyn FnMut(&Task, Ended),
         watcher: Option<&'b mut Recording>,
+        checker: Option<&'b mut (dyn Check + 'b)>,
     ) -> Result<()> {
         let (scheme, mem) = (self.scheme, self.mem);
         let make = move |&task: &Task| -> Invocation<'b> { Box::pin(invoke(scheme, mem, task)) };
-        self.turns.tasks(mem, work, &make, done, watcher)
+        self.turns.tasks(mem, work, &make, done, watcher, checker)
     }
 
     /// After the last pass: the recorded schedule.
     ///
     /// # Errors
     /// A recorded schedule that goes on.
-    pub fn finish(self) -> Result<Option<Vec<u8>>> {
+    pub(super) fn finish(self) -> Result<Option<Vec<u8>>> {
         let Turns { mut policy, recorder, .. } = self.turns;
         policy.finish()?;
         Ok(recorder.map(Recorder::finish))
@@ -99,9 +102,10 @@ impl Turns {
         make: &dyn Fn(&Task) -> Invocation<'b>,
         done: &mut dyn FnMut(&Task, Ended),
         watcher: Option<&'b mut Recording>,
+        checker: Option<&'b mut (dyn Check + 'b)>,
     ) -> Result<()> {
         let watcher = watcher.map(|w| w as &mut (dyn Watcher<Task> + 'b));
-        self.pass(mem, work, make, done, watcher)
+        self.pass(mem, work, make, done, watcher, checker)
     }
 
     fn pass<'b, O: Observer, W, F: Future>(
@@ -111,9 +115,11 @@ impl Turns {
         invoke: impl Fn(&W) -> F,
         done: impl FnMut(&W, F::Output),
         watcher: Option<&'b mut (dyn Watcher<W> + 'b)>,
+        checker: Option<&'b mut (dyn Check + 'b)>,
     ) -> Result<()> {
         Pass::new(mem, &mut self.policy, [self.resident, self.group], work, invoke, done)
             .watched(watcher)
+            .checked(checker)
             .run(self.recorder.as_mut())
     }
 }

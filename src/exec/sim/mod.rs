@@ -7,7 +7,8 @@
 //!
 //! Passes are queues of work; a barrier between two of them means that the second begins when the first has drained.
 
-pub mod device;
+mod checker;
+mod device;
 mod pass;
 mod passes;
 pub mod policy;
@@ -19,15 +20,18 @@ use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame};
+use super::table::Table;
 use crate::error::Result;
 use crate::memory::sim::Sim as Memory;
 use crate::memory::{Layout, Observer};
 use crate::scheme::Scheme;
+use checker::Checker;
 use device::Device;
 use passes::Passes;
 use policy::Settings;
 use watch::Recording;
 
+pub use checker::Checked;
 pub use watch::Watched;
 
 /// What a run on the simulated device gives.
@@ -39,6 +43,8 @@ pub struct Simulated {
     pub schedule: Option<Vec<u8>>,
     /// What happened at the pixel that was watched.
     pub watched: Option<Watched>,
+    /// What was looked at after every step, if that was asked for.
+    pub checked: Option<Checked>,
 }
 
 /// Run a scheme. `pattern` fills memory beforehand: only clear passes make it fit for use.
@@ -58,7 +64,9 @@ pub fn run<S: Scheme, O: Observer + Default>(
     let mut watch = Stopwatch::start();
     let mut passes = Passes::new(job);
     let mut recording = settings.watch.map(Recording::new);
-    passes.run(scheme, &mut device, recording.as_mut(), &mut watch)?;
+    let pixels = grid.storage_pixels() as u32;
+    let mut checker = settings.check.then(|| Checker::new(scheme, &mem, layout, pixels));
+    passes.run(scheme, &mut device, recording.as_mut(), checker.as_mut(), &mut watch)?;
     let schedule = device.finish()?;
     let per_tile = grid.pixels_per_tile();
     let Passes { generated, gone, reports, mut lists, rounds, .. } = passes;
@@ -74,9 +82,11 @@ pub fn run<S: Scheme, O: Observer + Default>(
     watch.lap("resolve");
     let counters = mem.observer().counters().cloned().unwrap_or_default();
     let frame = Frame::new(job, tiles, &reports, counters);
+    let table = scheme.readback().map(|readback| Table::new(&readback, &mem));
     Ok(Simulated {
-        frame: Frame { rounds, seconds: watch.seconds(), ..frame },
+        frame: Frame { rounds, table, seconds: watch.seconds(), ..frame },
         schedule,
         watched: recording.map(Recording::finish),
+        checked: checker.map(Checker::finish),
     })
 }

@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
+use super::checker::Check;
 use super::policy::{Any, Policy};
 use super::schedule::Recorder;
 use crate::error::{Error, Result};
@@ -40,6 +41,7 @@ pub(super) struct Pass<'a, O, W, F, Q, I, D> {
     /// Slots that are to be filled now.
     vacant: Range<usize>,
     watcher: Option<&'a mut (dyn Watcher<W> + 'a)>,
+    checker: Option<&'a mut (dyn Check + 'a)>,
 }
 
 /// Is told who takes a slot and who makes a step.
@@ -84,12 +86,18 @@ where
             live,
             vacant,
             watcher: None,
+            checker: None,
         }
     }
 
     /// With somebody to watch it.
     pub(super) fn watched(self, watcher: Option<&'a mut (dyn Watcher<W> + 'a)>) -> Self {
         Self { watcher, ..self }
+    }
+
+    /// With somebody to look at memory after every step.
+    pub(super) fn checked(self, checker: Option<&'a mut (dyn Check + 'a)>) -> Self {
+        Self { checker, ..self }
     }
 
     /// Run it to its end.
@@ -112,6 +120,9 @@ where
             };
             let polled = invocation.poll(context);
             let waited = self.mem.take_waited();
+            if let Some(checker) = &mut self.checker {
+                checker.step();
+            }
             match polled {
                 Poll::Pending => {
                     if filled.is_some() {

@@ -1,5 +1,6 @@
 //! The passes of a frame, one after another; or overlapping, where a contract lacks a barrier.
 
+use super::checker::{Check, Checker};
 use super::device::Device;
 use super::submission::Submission;
 use super::watch::Recording;
@@ -55,6 +56,7 @@ impl<'a> Passes<'a> {
         scheme: &S,
         device: &mut Device<'_, S, O>,
         mut recording: Option<&mut Recording>,
+        mut checker: Option<&mut Checker<'_, S, O>>,
         watch: &mut Stopwatch,
     ) -> Result<()> {
         let program = &S::CONTRACT.program;
@@ -77,8 +79,9 @@ impl<'a> Passes<'a> {
                 if let Some(recording) = recording.as_deref_mut().filter(|_| of_program) {
                     recording.begin();
                 }
-                let name =
-                    self.queue(scheme, device, queue, recording.as_deref_mut(), &mut again)?;
+                let watched = recording.as_deref_mut();
+                let checker = checker.as_deref_mut();
+                let name = self.queue(scheme, device, queue, watched, checker, &mut again)?;
                 watch.lap(name);
             }
             self.rounds += 1;
@@ -95,6 +98,7 @@ impl<'a> Passes<'a> {
         device: &mut Device<'_, S, O>,
         parts: &[Part<'_>],
         recording: Option<&mut Recording>,
+        checker: Option<&mut Checker<'_, S, O>>,
         again: &mut bool,
     ) -> Result<&'static str> {
         let Self { job, generated, gone, reports, lists, .. } = self;
@@ -103,6 +107,10 @@ impl<'a> Passes<'a> {
             gone.fill(0);
             *reports = Tally::default();
         }
+        // Only while fragments are stored, and nothing else runs.
+        let checker = checker.filter(|_| parts.iter().all(stores));
+        let mut checker = checker.map(Checker::begin);
+        let check = checker.as_deref_mut().map(|c| c as &mut dyn Check);
         // A constant condition: for a fault, the compiler makes no code of its own.
         if const { !matches!(S::CONTRACT.form, Form::Mutation) && S::CONTRACT.program.is_complete() }
             && parts.iter().all(stores)
@@ -110,7 +118,8 @@ impl<'a> Passes<'a> {
             let done = |fragment: &Fragment, outcome| {
                 gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
             };
-            device.store(Submission::new(job, generated), done, recording)?;
+            device.store(Submission::new(job, generated), done, recording, check)?;
+            checker.into_iter().for_each(Checker::end);
             return Ok("store");
         }
         let mut done = |task: &Task, ended| match (task, ended) {
@@ -161,7 +170,8 @@ impl<'a> Passes<'a> {
             };
             work = Box::new(work.chain(next));
         }
-        device.tasks(work, &mut done, recording)?;
+        device.tasks(work, &mut done, recording, check)?;
+        checker.into_iter().for_each(Checker::end);
         Ok(name)
     }
 }

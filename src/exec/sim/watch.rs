@@ -25,7 +25,7 @@ impl Watched {
 
 /// Watches one pixel.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub(super) struct Recording {
     pixel: u32,
     /// Which of the pixel's fragments is in each slot.
     inside: Vec<Option<u32>>,

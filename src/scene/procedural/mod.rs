@@ -12,6 +12,7 @@ mod keys;
 mod layers;
 mod shape;
 mod sphere;
+mod stack;
 mod synthetic;
 
 use std::collections::BTreeMap;
@@ -35,13 +36,14 @@ pub struct Builtin {
     generate: fn(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model>,
 }
 
-const BUILTINS: [Builtin; 8] = [
+const BUILTINS: [Builtin; 9] = [
     synthetic::BUILTIN,
     layers::BUILTIN,
     hairball::BUILTIN,
     bottles::BUILTIN,
     gears::BUILTIN,
     cubes::BUILTIN,
+    stack::BUILTIN,
     sphere::BUILTIN,
     cuboid::BUILTIN,
 ];

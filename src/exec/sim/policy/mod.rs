@@ -89,6 +89,8 @@ pub struct Settings {
     pub fingerprint: u64,
     /// A storage pixel whose fragments and steps are to be told.
     pub watch: Option<u32>,
+    /// Look at memory after every step of the store pass.
+    pub check: bool,
 }
 
 /// The most lanes a warp has.

@@ -1,0 +1,158 @@
+//! `fragloom render --frames N`: the camera goes once around.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::settings::Settings;
+use super::{Verdict, say, wait};
+use crate::error::{Error, Result};
+use crate::image::png;
+use crate::render::{AnimatedFrame, Animation, Report, Resize, animate};
+use crate::report::text::{Align, columns, thousands};
+use crate::report::{files, json};
+use crate::scene::Scene;
+
+/// Options about several frames.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Frames {
+    /// Draw N frames, 1 to 100000, of a camera that goes once around its target; pictures are FILE-0000.png and so on
+    /// [default: one frame, from where the camera is]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(super) frames: Option<u32>,
+
+    /// With `--frames`, when a hash table that is too full or too empty gets another size: at the beginning of the next
+    /// frame, as published; or besides, at once, by drawing a frame again that lost fragments [default: latent]
+    #[arg(long, value_enum, value_name = "WHEN")]
+    pub(super) resize: Option<When>,
+}
+
+/// `--resize`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum When {
+    Latent,
+    AtOnce,
+}
+
+/// One frame's row.
+#[derive(Debug, Serialize)]
+struct Row {
+    frame: u32,
+    retries: u32,
+    #[serde(flatten)]
+    report: Report,
+}
+
+impl Frames {
+    /// The sequence that was asked for, if one was. `single`: options given that are about one frame.
+    ///
+    /// # Errors
+    /// An option that needs another.
+    pub(super) fn resolve(&self, single: &[&str]) -> Result<Option<Animation>> {
+        let resize = match self.resize {
+            None | Some(When::Latent) => Resize::Latent,
+            Some(When::AtOnce) => Resize::AtOnce,
+        };
+        match (self.frames, self.resize, single.first()) {
+            (None, Some(_), _) => Err(Error::new("--resize", "needs --frames")),
+            (None, None, _) => Ok(None),
+            (Some(_), _, Some(option)) => {
+                Err(Error::new(*option, "is for one frame, not --frames"))
+            }
+            (Some(frames), _, None) => Ok(Some(Animation { frames, resize })),
+        }
+    }
+}
+
+/// Draw them all, write their pictures, print a row each.
+///
+/// # Errors
+/// As a single frame; pictures of earlier frames remain.
+pub(super) fn run(
+    scene: &Scene,
+    settings: &Settings,
+    animation: &Animation,
+    image: Option<&Path>,
+    stats: Option<&Path>,
+    [as_json, quiet]: [bool; 2],
+) -> Result<Verdict> {
+    let mut rows = Vec::new();
+    let message = format!("drawing {} frames of {}", animation.frames, scene.name);
+    wait::during(quiet, &message, || {
+        animate(scene, &settings.options, animation, |frame| {
+            let AnimatedFrame { number, retries, rendering } = frame;
+            if let Some(path) = image {
+                let path = numbered(path, number);
+                let bytes = png::encode(&rendering.image)
+                    .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+                files::write_bytes(&path, &bytes)?;
+            }
+            rows.push(Row { frame: number, retries, report: rendering.report });
+            Ok(())
+        })
+    })?;
+    let document = json::document(&rows)?;
+    if let Some(path) = stats {
+        files::write_bytes(path, document.as_bytes())?;
+    }
+    let mut warnings: Vec<&String> = settings.warnings.iter().chain(&scene.warnings).collect();
+    for warning in rows.iter().flat_map(|row| &row.report.warnings) {
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
+    warnings.iter().for_each(|warning| say::warning(warning));
+    say::result(&if as_json { document } else { table(&rows) })?;
+    for row in &rows {
+        let frame = row.frame;
+        let wrong = row.report.violations.iter();
+        wrong.for_each(|violation| say::violation(&format!("frame {frame}: {violation}")));
+    }
+    let clean = rows.iter().all(|row| row.report.violations.is_empty());
+    Ok(if clean { Verdict::Clean } else { Verdict::Found })
+}
+
+/// `picture.png` as `picture-0007.png`.
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
+    path.with_file_name(format!("{stem}-{number:04}{ending}"))
+}
+
+fn table(rows: &[Row]) -> String {
+    let head =
+        ["frame", "generated", "kept", "culled", "dropped", "cells", "load", "age", "retries"];
+    let mut cells = vec![head.map(str::to_owned).to_vec()];
+    for Row { frame, retries, report } in rows {
+        let dropped = report.dropped.iter().map(|(why, n)| format!("{} {why}", thousands(*n)));
+        let dropped: Vec<String> = dropped.collect();
+        let table = report.table.as_ref();
+        let of_table = |text: &dyn Fn(&crate::render::TableReport) -> String| {
+            table.map_or_else(|| "-".to_owned(), text)
+        };
+        cells.push(vec![
+            frame.to_string(),
+            thousands(report.generated),
+            thousands(report.kept),
+            thousands(report.culled),
+            if dropped.is_empty() { "0".to_owned() } else { dropped.join(", ") },
+            of_table(&|t| format!("{}x{}", t.width, t.height)),
+            of_table(&|t| format!("{:.1} %", t.load)),
+            of_table(&|t| t.max_age.to_string()),
+            retries.to_string(),
+        ]);
+    }
+    columns(&[Align::Right; 9], &cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_numbered() {
+        assert_eq!(numbered(Path::new("a/b.png"), 7), Path::new("a/b-0007.png"));
+        assert_eq!(numbered(Path::new("x.y.png"), 12_345), Path::new("x.y-12345.png"));
+    }
+}

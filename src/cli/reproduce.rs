@@ -1,0 +1,91 @@
+//! `fragloom reproduce`: the papers' tables and figures, ours beside theirs.
+
+use std::path::{Path, PathBuf};
+
+use super::flags::Output;
+use super::{Verdict, say, wait};
+use crate::error::{Error, Result};
+use crate::report::text::{Align, columns};
+use crate::report::{files, json};
+use crate::reproduce::{EXPERIMENTS, Experiment, Outcome, Scale, experiment};
+use crate::scene::MAX_SIZE;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Experiments: ha-table1, ha-fig5, ha-fig8 [default: all]
+    #[arg(value_name = "EXPERIMENT")]
+    experiments: Vec<String>,
+
+    /// A folder that exists, for EXPERIMENT.csv, and EXPERIMENT.svg where there are curves [default: not written]
+    #[arg(short = 'o', value_name = "DIR")]
+    folder: Option<PathBuf>,
+
+    /// Edge of the square picture of experiments that draw one, 16 to 16384 pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 512, allow_negative_numbers = true)]
+    edge: u32,
+
+    /// How often each point is timed, 1 to 1000; the median counts
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
+    repeats: u32,
+
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Run them, write the files, print the tables.
+///
+/// # Errors
+/// An unknown experiment, a scale out of range, or a file that cannot be written.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let chosen: Vec<&Experiment> = if args.experiments.is_empty() {
+        EXPERIMENTS.iter().collect()
+    } else {
+        args.experiments.iter().map(|name| experiment(name)).collect::<Result<_>>()?
+    };
+    let wrong = |option: &str, problem: String| Err(Error::new(option, problem));
+    if !(16..=MAX_SIZE).contains(&args.edge) {
+        return wrong("--edge", format!("is {}, but must be 16 to {MAX_SIZE} pixels", args.edge));
+    }
+    if !(1..=1_000).contains(&args.repeats) {
+        return wrong("--repeats", format!("is {}, but must be 1 to 1000", args.repeats));
+    }
+    if let Some(folder) = &args.folder {
+        files::check_folder("-o", folder)?;
+    }
+    let scale = Scale { edge: args.edge, repeats: args.repeats };
+    let mut outcomes = Vec::new();
+    for experiment in chosen {
+        let message = format!("running {}", experiment.name);
+        let outcome = wait::during(args.output.quiet, &message, || experiment.run(&scale))?;
+        if let Some(folder) = &args.folder {
+            write(folder, &outcome)?;
+        }
+        outcomes.push(outcome);
+    }
+    if args.output.json {
+        say::result(&json::document(&outcomes)?)?;
+    } else {
+        outcomes.iter().try_for_each(|outcome| say::result(&table(outcome)))?;
+    }
+    let differences = outcomes.iter().flat_map(|outcome| &outcome.differences);
+    let found = differences.inspect(|difference| say::violation(difference)).count() > 0;
+    Ok(if found { Verdict::Found } else { Verdict::Clean })
+}
+
+fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
+    let path = |ending: &str| folder.join(format!("{}.{ending}", outcome.experiment));
+    files::write_bytes(&path("csv"), outcome.csv().as_bytes())?;
+    match &outcome.plot {
+        Some(plot) => files::write_bytes(&path("svg"), plot.svg().as_bytes()),
+        None => Ok(()),
+    }
+}
+
+fn table(outcome: &Outcome) -> String {
+    let first = outcome.columns.iter().map(|column| (*column).to_owned()).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(first).chain(outcome.rows.clone()).collect();
+    let numeric = |column: usize| rows[1..].iter().all(|row| row[column].parse::<f64>().is_ok());
+    let align = |column| if numeric(column) { Align::Right } else { Align::Left };
+    let aligned: Vec<Align> = (0..outcome.columns.len()).map(align).collect();
+    format!("{}\n{}{}\n\n", outcome.experiment, columns(&aligned, &rows), outcome.summary)
+}

@@ -1,0 +1,78 @@
+//! A debug switch of the simulated device: after every step of a store pass, what a method says of its words.
+
+use crate::memory::asked::Cells;
+use crate::memory::sim::{Change, Sim};
+use crate::memory::{Growing, Layout, Observer, Snapshot};
+use crate::scheme::{Moment, Scheme};
+
+/// What was looked at, and what was wrong.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Checked {
+    /// Steps that changed a word of the frame, each of which was looked at.
+    pub steps: u64,
+    /// Steps after which something was wrong.
+    pub violations: u64,
+    /// The first of them.
+    pub first: Option<String>,
+}
+
+/// Looks at every change of the frame's words: those that must grow do, and the invariant holds of the pixel that the
+/// changed word belongs to.
+pub(super) struct Checker<'a, S, O> {
+    scheme: &'a S,
+    mem: &'a Sim<O>,
+    layout: &'a Layout,
+    cells: Cells,
+    checked: Checked,
+}
+
+impl<'a, S: Scheme, O: Observer> Checker<'a, S, O> {
+    pub(super) fn new(scheme: &'a S, mem: &'a Sim<O>, layout: &'a Layout, pixels: u32) -> Self {
+        let cells = Cells::new(layout, pixels);
+        Self { scheme, mem, layout, cells, checked: Checked::default() }
+    }
+
+    /// A store pass begins.
+    pub(super) fn begin(&mut self) -> &mut Self {
+        self.mem.tell_changes(true);
+        self
+    }
+
+    /// It has ended.
+    pub(super) fn end(&mut self) {
+        self.mem.tell_changes(false);
+    }
+
+    pub(super) fn finish(self) -> Checked {
+        self.checked
+    }
+
+    fn look(&self, change: Change) -> Result<(), String> {
+        let Change { bits, word, old, new } = change;
+        let grows = |g: &Growing| g.bits == bits && g.words.contains(&word);
+        if new < old && self.layout.growing().iter().any(grows) {
+            return Err(format!("a word that only grows fell from {old:x} to {new:x}"));
+        }
+        let Some(pixel) = self.scheme.owner(bits, word, new) else { return Ok(()) };
+        let value = |cell: u32| self.mem.value(&self.cells, cell);
+        let words = Snapshot { cells: &self.cells, value: &value };
+        self.scheme.invariant(&words, pixel, Moment::Always)
+    }
+}
+
+/// Without its type.
+pub(super) trait Check {
+    /// After a step.
+    fn step(&mut self);
+}
+
+impl<S: Scheme, O: Observer> Check for Checker<'_, S, O> {
+    fn step(&mut self) {
+        let Some(change) = self.mem.take_change() else { return };
+        self.checked.steps += 1;
+        if let Err(message) = self.look(change) {
+            self.checked.violations += 1;
+            self.checked.first.get_or_insert(message);
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The papers' tables and figures: theirs beside ours.
+//!
+//! An [`Experiment`] gives a table, which is written as CSV, and, where the paper draws curves, a plot as SVG. What is counted
+//! (probes, atomic operations, ages, bytes) is the same everywhere; seconds are this machine's, and only their course is
+//! comparable.
+
+mod ha_figures;
+mod ha_memory;
+pub mod plot;
+
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use plot::Plot;
+
+/// A published table or figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Experiment {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Where it was published.
+    pub paper: &'static str,
+    /// What it shows.
+    pub about: &'static str,
+    run: fn(&Scale) -> Result<Outcome>,
+}
+
+/// How large an experiment is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scale {
+    /// Pixels of the picture on each side, where the experiment draws one.
+    pub edge: u32,
+    /// How often each point is timed; the median counts.
+    pub repeats: u32,
+}
+
+/// What an experiment gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The experiment's name.
+    pub experiment: &'static str,
+    /// What the numbers say, in a sentence or two.
+    pub summary: String,
+    /// Names of the columns, with units.
+    pub columns: Vec<&'static str>,
+    /// Rows of cells.
+    pub rows: Vec<Vec<String>>,
+    /// The curves, if there are any.
+    #[serde(skip)]
+    pub plot: Option<Plot>,
+    /// Values that should be the paper's and are not.
+    pub differences: Vec<String>,
+}
+
+/// All experiments.
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        name: "ha-table1",
+        paper: "HA-buffer 2013, Table 1",
+        about: "memory of A-buffers by number of fragments",
+        run: ha_memory::table,
+    },
+    Experiment {
+        name: "ha-fig5",
+        paper: "HA-buffer 2013, Figure 5",
+        about: "insertion by load factor",
+        run: ha_figures::loads,
+    },
+    Experiment {
+        name: "ha-fig8",
+        paper: "HA-buffer 2013, Figure 8",
+        about: "squares that are brought together until they lie on each other",
+        run: ha_figures::stack,
+    },
+];
+
+/// The experiment of that name.
+///
+/// # Errors
+/// There is none; the message lists those there are.
+pub fn experiment(name: &str) -> Result<&'static Experiment> {
+    EXPERIMENTS.iter().find(|experiment| experiment.name == name).ok_or_else(|| {
+        let names: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+        let problem = format!("no experiment is called {name:?}; there are {}", names.join(", "));
+        Error::new("EXPERIMENT", problem)
+    })
+}
+
+impl Experiment {
+    /// Run it.
+    ///
+    /// # Errors
+    /// A scene that cannot be drawn at this scale.
+    pub fn run(&self, scale: &Scale) -> Result<Outcome> {
+        (self.run)(scale)
+    }
+}
+
+impl Outcome {
+    /// The table as CSV, with a line of names first.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let line = |cells: Vec<String>| cells.join(",") + "\n";
+        let quoted = |cell: &str| {
+            let plain = !cell.contains([',', '"', '\n']);
+            if plain { cell.to_owned() } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
+        };
+        let mut text = line(self.columns.iter().map(|column| quoted(column)).collect());
+        for row in &self.rows {
+            text += &line(row.iter().map(|cell| quoted(cell)).collect());
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_to_experiments() {
+        assert_eq!(experiment("ha-fig5").unwrap().name, "ha-fig5");
+        assert!(experiment("fig").unwrap_err().problem().contains("ha-table1, ha-fig5, ha-fig8"));
+    }
+
+    #[test]
+    fn cells_with_commas_are_quoted() {
+        let outcome = Outcome {
+            experiment: "x",
+            summary: String::new(),
+            columns: vec!["a", "b, c"],
+            rows: vec![vec!["1".into(), "say \"2\"".into()]],
+            plot: None,
+            differences: Vec::new(),
+        };
+        assert_eq!(outcome.csv(), "a,\"b, c\"\n1,\"say \"\"2\"\"\"\n");
+    }
+}
