@@ -380,6 +380,28 @@ fn no_schedule_changes_a_table() {
     }
 }
 
+/// The same on other scenes, half of the runs with colours.
+#[test]
+fn no_schedule_changes_a_list() {
+    let glass = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/glass.toml");
+    for name in ["cubes", "gears", "bottles", "hairball:strands=150", "stack:count=30", glass] {
+        let scene = scene(name, [full_edge(); 2]);
+        let exact = |data| draw(&scene, &with("exact", Exec::Tile, data, HashOptions::default()));
+        let words = [Data::Primitive, Data::Color];
+        let right = words.map(|data| (data, without_alike(&exact(data))));
+        let execs = [Exec::Tile, Exec::Threads, Exec::Tile, Exec::Threads];
+        let all = execs.into_iter().chain(schedules()).enumerate();
+        let mut tables = BTreeMap::new();
+        for (i, exec) in all {
+            let (data, lists) = &right[i / 2 % 2];
+            let drawn = draw(&scene, &with("ha64", exec.clone(), *data, loaded(80)));
+            assert_eq!(drawn.lists, *lists, "{name} {exec:?}");
+            let table = drawn.report.table.expect("a table").hash;
+            assert_eq!(tables.entry(i / 2 % 2).or_insert_with(|| table.clone()), &table);
+        }
+    }
+}
+
 /// Coplanar layers of one colour: what the duplicate rule does, on purpose.
 #[test]
 fn of_fragments_that_are_alike_one_is_kept_and_the_others_are_counted() {
