@@ -40,12 +40,14 @@ pub struct Stability {
 
 impl Stability {
     /// What was seen is what the contract declares. A pool that is too small is no matter of the method: any drops by
-    /// arrival then.
+    /// arrival then. Of a racy method that declares a dependence on arrival, that on the schedule is enough to be seen:
+    /// a schedule is an order of arrival too.
     #[must_use]
     pub fn agrees(&self) -> bool {
         let overflow = self.arrival_at_overflow && !self.pooled;
         let arrival = self.arrival || self.arrival_at_ties || overflow;
-        [arrival, self.schedule] == self.declared
+        let [by_arrival, racy] = self.declared;
+        self.schedule == racy && (arrival == by_arrival || (racy && by_arrival))
     }
 }
 
@@ -134,16 +136,6 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// Tables that are rather full, unless a budget makes them; for early culling, by what it keeps.
-    fn hash(&self, sized: bool) -> HashOptions {
-        let (load, size) = match self.contract.keeps {
-            _ if sized => (None, None),
-            Keeps::Visible => (None, Some([2 * EDGE, 2 * EDGE])),
-            _ => (Some(LOAD), None),
-        };
-        HashOptions { load, size, ..HashOptions::default() }
-    }
-
     fn draw(
         &mut self,
         scene: &Scene,
@@ -161,7 +153,10 @@ impl Runs<'_> {
             tile: 16,
             counters: false,
             // So full that insertions push each other about.
-            hash: self.hash(memory_budget.is_some()),
+            hash: HashOptions {
+                load: memory_budget.is_none().then_some(LOAD),
+                ..HashOptions::default()
+            },
             memory_budget,
             ..Options::default()
         };
