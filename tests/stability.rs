@@ -18,7 +18,8 @@ fn what_is_seen_is_what_contracts_declare() {
     assert!(seen("depth-peel@published").inexact_at_ties);
     assert!(!seen("depth-peel@published").arrival_at_ties);
     assert!(!seen("depth-peel").inexact_at_ties);
-    assert!(rows.iter().all(|row| row.runs >= 60), "every row has so many runs behind it");
+    // Fewer where the first order already shows a dependence.
+    assert!(rows.iter().all(|row| row.runs >= 50), "every row has so many runs behind it");
 }
 
 /// Negative control: a contract that declares too little is found.
