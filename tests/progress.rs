@@ -36,7 +36,14 @@ const NO_WAIT: usize = 7;
 /// Who has failed `k` times gives up, and says all the same that every attempt is like the first.
 const COUNTS: usize = 8;
 
-const NAMES: [&str; 9] = [
+/// What comes next depends on the place that was taken, which is not said.
+const FORGETS: usize = 9;
+/// Only the end depends on it, which is not said either.
+const FORGETS_ITS_END: usize = 10;
+/// It is said.
+const REMEMBERS: usize = 11;
+
+const NAMES: [&str; 12] = [
     "mutex",
     "spins-first",
     "no-blocks",
@@ -46,6 +53,9 @@ const NAMES: [&str; 9] = [
     "barrier",
     "no-wait",
     "counts",
+    "forgets",
+    "forgets-its-end",
+    "remembers",
 ];
 
 /// An idiom. The fragment's data word is the invocation's number, for those idioms in which it matters.
@@ -157,6 +167,14 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
             BARRIER => {
                 mem.add(flag, 1, Order::AcqRel).await;
                 self.wait(mem, pixel, |arrived| arrived == self.count).await;
+            }
+            FORGETS | FORGETS_ITS_END | REMEMBERS => {
+                let place = mem.add(flag, 1, Order::Relaxed).await;
+                let live = [u64::from(place)];
+                mem.here(if IDIOM == REMEMBERS { &live } else { &[] });
+                let more = u32::from(IDIOM == FORGETS) * place;
+                mem.add(flag, more, Order::Relaxed).await;
+                return if place == 0 { Outcome::Kept } else { Outcome::Culled };
             }
             _ => {
                 let place = mem.add(flag, 1, Order::Relaxed).await;
@@ -325,6 +343,18 @@ fn waits_in_no_block_have_no_verdict_under_simt() {
 fn explored<const IDIOM: usize>(n: u32, k: u32) -> Explored {
     let device = Device { memory: MemoryModel::Sequential, warp: None };
     explore(&Subject::of::<Waits<IDIOM>>(), &instance(n, Some(k)), device, &LIMITS)
+}
+
+/// Search takes two invocations for one where they stand at one place and say that nothing else matters; what comes
+/// next, and how they end, tells whether that is true.
+#[test]
+fn a_list_of_what_matters_that_leaves_something_out_is_found() {
+    for found in [explored::<FORGETS>(2, 1), explored::<FORGETS_ITS_END>(2, 1)] {
+        let message = &found.violations[&Property::Invariant].message;
+        assert!(message.contains("claims more than is true"), "{message}");
+    }
+    let honest = explored::<REMEMBERS>(3, 1);
+    assert!(!honest.violations.contains_key(&Property::Invariant), "{honest:?}");
 }
 
 /// An invocation that counts its attempts is not where it was before. Search would take it for that, and never see it

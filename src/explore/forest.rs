@@ -15,6 +15,9 @@ use crate::memory::asked::{Action, Cells, Here, OpenBlock, Request, Site};
 /// Index of a node.
 pub(super) type NodeId = u32;
 
+/// Nodes, and the answers that lead to each.
+type Paths = Vec<(NodeId, Vec<Answer>)>;
+
 /// What an invocation does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
@@ -311,12 +314,12 @@ impl<'a> Forest<'a> {
     /// How often a wait is repeated, to find what counts its attempts.
     const ROUNDS: usize = 16;
 
-    /// Follow every edge that a wait closed on the unmerged invocation, through all that was explored below its
-    /// target, and round and round the wait itself: what comes next must be the same. The number of comparisons, and
-    /// the first that failed.
+    /// Follow every edge that a wait closed, or that was led to a node that was there, on the unmerged invocation,
+    /// through all that was explored below its target, and round and round the wait itself: what comes next must be the
+    /// same. The number of comparisons, and the first that failed.
     pub(super) fn check_claims(&self) -> std::result::Result<usize, String> {
         let mut compared = 0;
-        let mut below: BTreeMap<NodeId, Vec<(NodeId, Vec<Answer>)>> = BTreeMap::new();
+        let mut below: BTreeMap<NodeId, Paths> = BTreeMap::new();
         for &(from, answer) in &self.claims {
             let Some(&(_, target)) = self.node(from).children.iter().find(|c| c.0 == answer) else {
                 continue;
@@ -324,37 +327,51 @@ impl<'a> Forest<'a> {
             let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
             let mut twin = self.answers(Some((from, answer)));
             twin.push(Answer::Again);
-            for (node, path) in paths {
-                if compared == Self::MOST_COMPARISONS {
-                    return Ok(compared);
-                }
-                compared += 1;
-                let answers: Vec<Answer> = twin.iter().chain(path.iter()).copied().collect();
-                let task = self.task(from);
-                let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
-                if !self.agrees(*node, &next) {
-                    return Err(self.lie(from));
-                }
+            if !self.compare(from, &twin, paths, &mut compared)? {
+                return Ok(compared);
             }
             compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
         }
         for &(from, answer, target) in &self.merges {
             let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
             let twin = self.answers(Some((from, answer)));
-            for (node, path) in paths {
-                if compared == Self::MOST_COMPARISONS {
-                    return Ok(compared);
-                }
-                compared += 1;
-                let answers: Vec<Answer> = twin.iter().chain(path.iter()).copied().collect();
-                let next =
-                    self.shader.follow(self.cells, self.task(from), &answers, self.lanes).next;
-                if !self.agrees(*node, &next) {
+            if !self.compare(from, &twin, paths, &mut compared)? {
+                return Ok(compared);
+            }
+        }
+        Ok(compared)
+    }
+
+    /// Lead a twin along paths: it must do what is at their nodes, and end as they do. Whether there was room for all.
+    fn compare(
+        &self,
+        from: NodeId,
+        twin: &[Answer],
+        paths: &Paths,
+        compared: &mut usize,
+    ) -> std::result::Result<bool, String> {
+        let follow = |path: &[Answer]| {
+            let answers = [twin, path].concat();
+            self.shader.follow(self.cells, self.task(from), &answers, self.lanes).next
+        };
+        for (node, path) in paths {
+            if *compared >= Self::MOST_COMPARISONS {
+                return Ok(false);
+            }
+            *compared += 1;
+            if !self.agrees(*node, &follow(path)) {
+                return Err(self.lie(from));
+            }
+            for &(answer, child) in &self.node(*node).children {
+                let Step::Ended(end) = self.node(child).step else { continue };
+                *compared += 1;
+                let last = [path.as_slice(), &[Answer::Value(answer)]].concat();
+                if follow(&last) != Next::Ended(self.ended(end).clone()) {
                     return Err(self.lie(from));
                 }
             }
         }
-        Ok(compared)
+        Ok(true)
     }
 
     /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were.
@@ -396,7 +413,7 @@ impl<'a> Forest<'a> {
     }
 
     /// Every node below one, with the answers that lead there, the node itself first.
-    fn paths_below(&self, target: NodeId) -> Vec<(NodeId, Vec<Answer>)> {
+    fn paths_below(&self, target: NodeId) -> Paths {
         let mut found = vec![(target, Vec::new())];
         let mut at = 0;
         while at < found.len() && found.len() < Self::MOST_COMPARISONS {
