@@ -82,6 +82,10 @@ fn wrong_values_are_one_line_that_names_the_option() {
         ("render cubes -m ha64 --load 50 --table 9x9", &["--load:", "--table"]),
         ("render cubes -m ha64 --table 9by9", &["--table:", "WIDTHxHEIGHT"]),
         ("render cubes -m ha64 --size 64x48 --table 64x47", &["--table:", "64x48"]),
+        (
+            "render layers:count=1 -m hash-coherent --size 8192x2049",
+            &["--size:", "16777216", "hash-coherent"],
+        ),
         ("render cubes -m ha64 --age-limit 256", &["--age-limit:", "1 to 255"]),
         ("render cubes -m ha64-cull --cull-threshold 1.5", &["--cull-threshold:", "0 to 1"]),
         ("render cubes -m ha64 --depth-format d32", &["--depth-format:", "24 bits"]),

@@ -22,7 +22,7 @@ use fragloom::scheme::ab_array::{AbArray, AtomicAdd, LoadStore};
 use fragloom::scheme::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
 use fragloom::scheme::ab_ll_paged::AbPagedList;
 use fragloom::scheme::contract::Kind;
-use fragloom::scheme::ha::{self, Bits32, Bits64, HaBuffer};
+use fragloom::scheme::ha::{Bits32, Bits64, HaBuffer};
 use fragloom::scheme::hash::{Offsets, Settings};
 use fragloom::scheme::kb_ll::{self, KNearestList};
 use fragloom::scheme::kb_mdt64::KbMdt64;
@@ -347,9 +347,10 @@ fn the_hash_table_loses_nothing() {
 
 #[test]
 fn faults_of_the_hash_table_are_caught() {
+    use fragloom::scheme::ha::faults;
     type Faulty<V> = HaBuffer<Bits64, V>;
     let groups: &[&[u32]] = &[&[5, 2], &[3]];
-    is_caught("load-store", insertion::<Faulty<ha::LoadStore>>(hashed(4, 4), groups, 1));
-    is_caught("no-reinsert", insertion::<Faulty<ha::NotReinserted>>(hashed(4, 4), groups, 1));
-    is_caught("max-age", insertion::<Faulty<ha::AgeUntold>>(hashed(4, 4), groups, 1));
+    is_caught("load-store", insertion::<Faulty<faults::LoadStore>>(hashed(4, 4), groups, 1));
+    is_caught("no-reinsert", insertion::<Faulty<faults::NotReinserted>>(hashed(4, 4), groups, 1));
+    is_caught("max-age", insertion::<Faulty<faults::AgeUntold>>(hashed(4, 4), groups, 1));
 }

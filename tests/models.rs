@@ -3,27 +3,13 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
-
 use fragloom::num::depth::Format;
 use fragloom::render::{Data, Exec, Options, Policy, Rendering, Report, Sim};
 use fragloom::scene::Scene;
 use fragloom::scheme::catalogue::contract;
 use fragloom::scheme::contract::Keeps;
 use fragloom::scheme::{Contract, Form, contracts};
-use support::{draw, options, scene};
-
-/// The model at 256x256, or `None` and a line that says so.
-fn model(name: &str) -> Option<Scene> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
-    let folder = std::env::var_os("FRAGLOOM_MODELS").map_or_else(beside, PathBuf::from);
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: there is no {}", path.display());
-        return None;
-    }
-    Some(scene(path.to_str().expect("a path in UTF-8"), [256, 256]))
-}
+use support::{draw, model, options};
 
 fn executors() -> [Exec; 3] {
     let sim = Sim {
@@ -56,7 +42,7 @@ fn balances(report: &Report) -> bool {
 
 /// These methods on every executor balance, and give what the oracle gives if their contract says so.
 fn check(name: &str, methods: &[&'static Contract]) {
-    let Some(scene) = model(name) else { return };
+    let Some(scene) = model(name, [256, 256]) else { return };
     let words = (Format::D32, Data::Color);
     let generated = drawn(&scene, "exact", None, Exec::Tile, words).report.generated;
     // The ribbons are much thinner than a pixel here.

@@ -9,8 +9,9 @@ use fragloom::scene::{Bounds, Camera, Object, Scene};
 use glam::{DMat4, DVec3};
 use proptest::prelude::*;
 
+use super::support::model;
 use super::support::{draw, options, scene};
-use super::{effect, model, runs, srgb, toml};
+use super::{effect, runs, srgb, toml};
 
 /// An expression as a test writes it.
 #[derive(Clone, Debug)]

@@ -4,8 +4,9 @@ use fragloom::num::depth::Format;
 use fragloom::render::{Effect, Options};
 use fragloom::scene::Scene;
 
+use super::support::model;
 use super::support::{draw, options, scene};
-use super::{effect, model, runs, toml};
+use super::{effect, runs, toml};
 
 const LDI: Effect = Effect::Ldi { voxels: None };
 

@@ -14,8 +14,6 @@ mod shadows;
 #[path = "../support/mod.rs"]
 mod support;
 
-use std::path::{Path, PathBuf};
-
 use fragloom::render::{Effect, Exec, Options, Policy};
 use fragloom::scene::{self, Overrides, Scene};
 use support::{options, sim};
@@ -57,16 +55,4 @@ fn srgb(value: u64) -> u8 {
     };
     let value = value as f64 / 65_535.0;
     (0..255).find(|&byte| value < linear((f64::from(byte) + 0.5) / 255.0)).unwrap_or(255)
-}
-
-/// A model at a size, or `None` and a line that says so.
-fn model(name: &str, size: [u32; 2]) -> Option<Scene> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
-    let folder = std::env::var_os("FRAGLOOM_MODELS").map_or_else(beside, PathBuf::from);
-    let path = folder.join(name);
-    if !path.exists() {
-        println!("skipped: there is no {}", path.display());
-        return None;
-    }
-    Some(support::scene(path.to_str().expect("a path in UTF-8"), size))
 }

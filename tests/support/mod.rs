@@ -1,6 +1,8 @@
 //! What several test files share.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use std::path::{Path, PathBuf};
+
 use fragloom::render::{Exec, Options, Policy, Rendering, Sim, render};
 use fragloom::scene::{self, Overrides, Scene};
 
@@ -8,6 +10,18 @@ use fragloom::scene::{self, Overrides, Scene};
 pub(crate) fn scene(source: &str, size: [u32; 2]) -> Scene {
     let overrides = Overrides { size: Some(size), ..Overrides::default() };
     scene::load(source, &overrides).expect("a scene")
+}
+
+/// A model that is not part of the repository, if it is there: in `FRAGLOOM_MODELS`, or beside the checkout.
+pub(crate) fn model(name: &str, size: [u32; 2]) -> Option<Scene> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    let folder = std::env::var_os("FRAGLOOM_MODELS").map_or_else(beside, PathBuf::from);
+    let path = folder.join(name);
+    if !path.exists() {
+        println!("skipped: there is no {}", path.display());
+        return None;
+    }
+    Some(scene(path.to_str().expect("a path in UTF-8"), size))
 }
 
 /// Options for a method.
