@@ -4,7 +4,7 @@
 //! (`tests/layering.rs` checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `effect` → `render` → `explore` → `report` → `reproduce` → `cli`
+//! `effect` → `render` → `explore` → `gpu` → `report` → `reproduce` → `cli`
 
 pub mod cli;
 pub mod effect;
@@ -12,6 +12,8 @@ pub mod error;
 pub mod exec;
 pub mod explore;
 pub mod fragment;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod image;
 pub mod memory;
 pub mod num;

@@ -8,6 +8,8 @@ mod catalogue;
 mod check;
 mod claims;
 mod compare;
+#[cfg(feature = "gpu")]
+mod crosscheck;
 mod effects;
 mod flags;
 mod frames;
@@ -54,6 +56,12 @@ enum Command {
     Check(Box<check::Args>),
     /// Run a failing schedule again.
     Replay(replay::Args),
+    /// Run the same schemes on GPUs and Vulkan drivers, and compare bit for bit.
+    #[cfg(feature = "gpu")]
+    Crosscheck(Box<crosscheck::Args>),
+    /// List the GPUs and Vulkan drivers that there are.
+    #[cfg(feature = "gpu")]
+    Adapters(crosscheck::AdapterArgs),
     /// Compute the papers' tables and figures, ours beside theirs.
     Reproduce(reproduce::Args),
     /// List the papers' claims, as they are checked.
@@ -104,6 +112,10 @@ fn run(command: &Command) -> Result<Verdict> {
         Command::Compare(args) => compare::run(args),
         Command::Check(args) => check::run(args),
         Command::Replay(args) => replay::run(args),
+        #[cfg(feature = "gpu")]
+        Command::Crosscheck(args) => crosscheck::run(args),
+        #[cfg(feature = "gpu")]
+        Command::Adapters(args) => crosscheck::adapters(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Claims(args) => claims::run(args),
         Command::Methods(args) => methods::run(args),

@@ -84,6 +84,14 @@ impl Shared {
         (0..words.count()).map(read).collect()
     }
 
+    /// All words, of 32 and of 64 bits, record after record.
+    #[must_use]
+    pub fn all(&self) -> (Vec<u32>, Vec<u64>) {
+        let order = std::sync::atomic::Ordering::Relaxed;
+        let narrow = self.words32.iter().map(|word| word.load(order)).collect();
+        (narrow, self.words64.iter().map(|word| word.load(order)).collect())
+    }
+
     pub(super) fn view(&self) -> SharedView<'_> {
         SharedView { words: (&self.words32, &self.words64), stride: self.stride }
     }
@@ -103,6 +111,13 @@ impl Owned {
             words64: bytemuck::allocation::zeroed_slice_box(n64),
             stride: sizes,
         }
+    }
+
+    /// All words, of 32 and of 64 bits, record after record.
+    #[must_use]
+    pub fn all(&self) -> (Vec<u32>, Vec<u64>) {
+        let narrow = self.words32.iter().map(Cell::get).collect();
+        (narrow, self.words64.iter().map(Cell::get).collect())
     }
 
     /// Where a word of this arena's space stands in [`Self::words`]; a faulty scheme's may be beyond the end.

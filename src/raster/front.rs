@@ -52,6 +52,8 @@ pub struct FrontEnd {
     surfaces: Vec<Surface>,
     /// By primitive: whether its back is seen. Apart, since few runs ask.
     backs: Vec<bool>,
+    /// By primitive: its corners, where they were asked for.
+    outlines: Vec<Polygon>,
     /// What stands in the light's way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
     /// Bin t is `binned[starts[t]..starts[t + 1]]`.
@@ -77,7 +79,20 @@ impl FrontEnd {
     ) -> Self {
         let attenuated = attenuation.is_some();
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target = Target { viewport, image: grid.image(), cull, attenuated };
+        let target = Target { viewport, image: grid.image(), cull, attenuated, outlines: false };
+        Self { attenuation, ..Self::of(scene, grid, target) }
+    }
+
+    /// As [`FrontEnd::new`], with the corners of every primitive ([`FrontEnd::outlines`]).
+    #[must_use]
+    pub fn outlined(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
+        let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
+        let target =
+            Target { viewport, image: grid.image(), cull, attenuated: false, outlines: true };
+        Self::of(scene, grid, target)
+    }
+
+    fn of(scene: &Scene, grid: Grid, target: Target) -> Self {
         let view_projection = scene.camera.view_projection(scene.size);
         let mut chunks = Vec::new();
         let mut first = 0u32;
@@ -91,13 +106,14 @@ impl FrontEnd {
         }
         chunks.push(Chunk::of_screen(&scene.screen, first, target));
         let triangles = u64::from(first) + scene.screen.len() as u64;
-        Self { attenuation, ..Self::join(grid, triangles, chunks) }
+        Self::join(grid, triangles, chunks)
     }
 
     fn join(grid: Grid, triangles: u64, chunks: Vec<Chunk>) -> Self {
         let count = chunks.iter().map(|c| c.primitives.len()).sum();
         let mut primitives: Vec<Primitive> = Vec::with_capacity(count);
         let (mut surfaces, mut backs) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut outlines = Vec::new();
         let mut degenerate = 0;
         for mut chunk in chunks {
             let base = surfaces.len() as u32;
@@ -105,6 +121,7 @@ impl FrontEnd {
             primitives.append(&mut chunk.primitives);
             surfaces.append(&mut chunk.surfaces);
             backs.append(&mut chunk.backs);
+            outlines.append(&mut chunk.outlines);
             degenerate += chunk.degenerate;
         }
         let (starts, binned) = bin(&primitives, &grid);
@@ -115,6 +132,7 @@ impl FrontEnd {
             primitives,
             surfaces,
             backs,
+            outlines,
             attenuation: None,
             starts,
             binned,
@@ -125,6 +143,12 @@ impl FrontEnd {
     #[must_use]
     pub fn primitives(&self) -> &[Primitive] {
         &self.primitives
+    }
+
+    /// The corners of every primitive, snapped, in their order; empty unless they were asked for.
+    #[must_use]
+    pub fn outlines(&self) -> &[Polygon] {
+        &self.outlines
     }
 
     /// What lies on a primitive.
@@ -226,6 +250,7 @@ struct Chunk {
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
     backs: Vec<bool>,
+    outlines: Vec<Polygon>,
     degenerate: u64,
 }
 
@@ -278,6 +303,9 @@ impl Chunk {
                     self.surfaces.push(surface(back, primitive.bounds));
                     self.primitives.push(primitive);
                     self.backs.push(back);
+                    if target.outlines {
+                        self.outlines.push(*polygon);
+                    }
                 }
             }
         }
@@ -292,6 +320,8 @@ struct Target {
     cull: CullFace,
     /// Light is.
     attenuated: bool,
+    /// Corners are kept.
+    outlines: bool,
 }
 
 /// Bins in CSR form: starts per tile, then primitive indices in submission order.

@@ -35,6 +35,14 @@ impl DepthPlane {
         Some(Self { a: a as i64, b: b as i64, c: c as i64, min, max })
     }
 
+    /// For a shader that evaluates the same plane: slope to the right, slope down, and the value at pixel (0, 0), modulo
+    /// 2^64, each as its lower and its upper half; then the smallest and the largest code.
+    #[must_use]
+    pub fn words(&self) -> [u32; 8] {
+        let [a, b, c] = [self.a, self.b, self.c].map(|v| [v as u32, (v >> 32) as u32]);
+        [a[0], a[1], b[0], b[1], c[0], c[1], self.min, self.max]
+    }
+
     /// The wrapped value at a pixel, before rounding: for walking a block by `step_x` and `step_y`.
     #[inline]
     #[must_use]

@@ -1,0 +1,173 @@
+//! What a device gave, against what must be there, pixel by pixel.
+
+use serde::Serialize;
+
+use super::band::Expected;
+use crate::exec::account::Judgement;
+use crate::fragment::data_of;
+use crate::scheme::contract::{Contract, Keeps};
+
+/// What came back from a device: as many records of every pixel as were expected, and how many there were.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Downloaded {
+    /// Records that the device has of each pixel.
+    pub counts: Vec<u32>,
+    /// The records, in places of the same size as those expected.
+    pub keys: Vec<u64>,
+    /// Colours, sRGB RGBA8.
+    pub colors: Vec<u32>,
+    /// Where each pixel's places begin, and how many it has.
+    pub rooms: Vec<(u32, u32)>,
+}
+
+/// How a device's result differs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Differences {
+    /// Fragments compared, as generated.
+    pub fragments: u64,
+    /// Fragments of triangles that must not be at their pixel, or are missing there.
+    pub coverage_differences: u64,
+    /// Fragments of the right triangle at another depth.
+    pub depth_differences: u64,
+    /// Pixels whose lists differ.
+    pub list_differences: u64,
+    /// Pixels whose colours differ.
+    pub pixel_differences: u64,
+    /// Of a method that may lose fragments: lost.
+    pub lost: u64,
+    /// Stored twice.
+    pub duplicated: u64,
+    /// Made of two fragments.
+    pub torn: u64,
+    /// Pixels with what the contract does not allow.
+    pub not_allowed: u64,
+}
+
+impl Differences {
+    /// Add another's.
+    pub fn add(&mut self, other: &Self) {
+        self.fragments += other.fragments;
+        self.coverage_differences += other.coverage_differences;
+        self.depth_differences += other.depth_differences;
+        self.list_differences += other.list_differences;
+        self.pixel_differences += other.pixel_differences;
+        self.lost += other.lost;
+        self.duplicated += other.duplicated;
+        self.torn += other.torn;
+        self.not_allowed += other.not_allowed;
+    }
+
+    /// Nothing differs.
+    #[must_use]
+    pub fn is_equal(&self) -> bool {
+        self.coverage_differences
+            + self.depth_differences
+            + self.list_differences
+            + self.pixel_differences
+            == 0
+    }
+}
+
+impl Downloaded {
+    /// A pixel's records, as many as it has places for.
+    #[must_use]
+    pub fn pixel(&self, pixel: usize) -> &[u64] {
+        let (start, room) = self.rooms[pixel];
+        let count = self.counts[pixel].min(room);
+        &self.keys[start as usize..(start + count) as usize]
+    }
+}
+
+/// Compare everything. `k` is the method's.
+#[must_use]
+pub fn compare(
+    contract: &Contract,
+    k: Option<u32>,
+    expected: &Expected,
+    got: &Downloaded,
+) -> Differences {
+    let mut sum =
+        Differences { fragments: expected.generated.keys.len() as u64, ..Differences::default() };
+    for pixel in 0..expected.kept.pixels() {
+        let (right, found) = (expected.kept.pixel(pixel), got.pixel(pixel));
+        let more = got.counts[pixel] as usize > found.len();
+        sum.pixel_differences += u64::from(expected.colors[pixel] != got.colors[pixel]);
+        if right == found && !more {
+            continue;
+        }
+        sum.list_differences += 1;
+        let [missing, extra] = unmatched(right, found);
+        let depths = same_data(&missing, &extra);
+        let beyond = u64::from(got.counts[pixel]) - found.len() as u64;
+        sum.depth_differences += depths;
+        sum.coverage_differences += (missing.len() + extra.len()) as u64 - 2 * depths + beyond;
+        let judged = judge(contract, k, expected.generated.pixel(pixel), found);
+        sum.lost += judged.lost;
+        sum.duplicated += judged.duplicated;
+        sum.torn += judged.torn;
+        sum.not_allowed += u64::from(more || !is_allowed(contract, &judged, right, found));
+    }
+    sum
+}
+
+fn judge(contract: &Contract, k: Option<u32>, generated: &[u64], found: &[u64]) -> Judgement {
+    let mut judgement = Judgement::default();
+    let mut found = found.to_vec();
+    found.sort_unstable();
+    judgement.pixel(generated, &found, contract.reference_k(k));
+    judgement
+}
+
+/// Whether the contract allows a pixel that is not as the exact one: some kept set of as many real fragments where that
+/// depends on arrival, and whatever a race may do to one that races.
+fn is_allowed(contract: &Contract, judged: &Judgement, right: &[u64], found: &[u64]) -> bool {
+    if contract.racy {
+        return found.len() <= right.len().max(1);
+    }
+    contract.arrival_dependent
+        && judged.torn + judged.duplicated == 0
+        && contract.keeps == Keeps::FirstArrivals
+        && found.len() == right.len()
+}
+
+/// What two sorted lists do not have in common.
+fn unmatched(right: &[u64], found: &[u64]) -> [Vec<u64>; 2] {
+    let mut found = found.to_vec();
+    found.sort_unstable();
+    let (mut missing, mut extra) = (Vec::new(), Vec::new());
+    let (mut r, mut f) = (0, 0);
+    while r < right.len() || f < found.len() {
+        match (right.get(r), found.get(f)) {
+            (Some(a), Some(b)) if a == b => (r, f) = (r + 1, f + 1),
+            (Some(&a), b) if b.is_none_or(|&b| a < b) => {
+                missing.push(a);
+                r += 1;
+            }
+            (_, Some(&b)) => {
+                extra.push(b);
+                f += 1;
+            }
+            (_, None) => break,
+        }
+    }
+    [missing, extra]
+}
+
+/// How many of both have the same data word.
+fn same_data(missing: &[u64], extra: &[u64]) -> u64 {
+    let words = |keys: &[u64]| {
+        let mut words: Vec<u32> = keys.iter().map(|&key| data_of(key)).collect();
+        words.sort_unstable();
+        words
+    };
+    let (missing, extra) = (words(missing), words(extra));
+    let (mut m, mut e, mut same) = (0, 0, 0);
+    while let (Some(a), Some(b)) = (missing.get(m), extra.get(e)) {
+        match a.cmp(b) {
+            std::cmp::Ordering::Equal => (m, e, same) = (m + 1, e + 1, same + 1),
+            std::cmp::Ordering::Less => m += 1,
+            std::cmp::Ordering::Greater => e += 1,
+        }
+    }
+    same
+}

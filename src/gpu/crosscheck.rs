@@ -1,0 +1,283 @@
+//! Scenes on devices, against what must be there.
+
+use std::fmt;
+
+use super::band::{Band, Picture};
+use super::compare::{Differences, compare};
+use super::device::{AdapterName, Device};
+use super::failure::{Failure, Result};
+use super::program::{Program, Shape, constants};
+use super::raster::{Raster, Triangles};
+use super::resolve::resolve;
+use super::source::{TWINS, Twin, twin};
+use crate::error::{self, Error};
+use crate::fragment::Data;
+use crate::num::depth::Format;
+use crate::raster::Record;
+use crate::scene::Scene;
+use crate::scheme::catalogue;
+use crate::scheme::contract::Contract;
+use serde::Serialize;
+
+/// How fragments come to the store pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Path {
+    /// The device rasterizes; a fragment shader stores.
+    Raster,
+    /// The simulator's own fragments are uploaded; a compute shader stores.
+    Compute,
+}
+
+impl Path {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Raster, Self::Compute];
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Raster => "raster",
+            Self::Compute => "compute",
+        })
+    }
+}
+
+/// What came of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// No difference.
+    Equal,
+    /// Differences; whether they are allowed is said in the reason.
+    Different,
+    /// The device cannot run it.
+    Unsupported,
+    /// The device began, and failed.
+    Failed,
+}
+
+/// One method on one device, over a whole scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Row {
+    /// The adapter.
+    pub adapter: String,
+    /// Its driver.
+    pub driver: String,
+    /// The method.
+    pub method: String,
+    /// The scene.
+    pub scene: String,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// How fragments came.
+    pub path: Path,
+    /// Sub-pixel bits that vertices were snapped to.
+    pub sub_pixel_bits: u32,
+    /// The counts.
+    #[serde(flatten)]
+    pub differences: Differences,
+    /// Fragments on the raster path that went the compute way.
+    pub by_compute: u64,
+    /// Equal, different, unsupported or failed.
+    pub status: Status,
+    /// Why; or what equality does not prove.
+    pub reason: String,
+    /// A difference that the method's contract does not allow, or a failure.
+    #[serde(skip)]
+    pub is_finding: bool,
+}
+
+/// What is to be compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Methods.
+    pub methods: Vec<&'static str>,
+    /// `-k`.
+    pub k: Option<u32>,
+    /// Which paths.
+    pub paths: Vec<Path>,
+    /// The compute path's order: submission, or shuffled by this seed.
+    pub shuffle: Option<u64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let methods = TWINS.iter().map(|twin| twin.method).collect();
+        Self { methods, k: None, paths: Path::ALL.to_vec(), shuffle: Some(0) }
+    }
+}
+
+/// The twin of a method.
+///
+/// # Errors
+/// There is no such method, or it has none.
+pub fn find(method: &str) -> error::Result<&'static Twin> {
+    let contract = catalogue::contract(method)?;
+    twin(contract.name).ok_or_else(|| {
+        let names: Vec<&str> = TWINS.iter().map(|twin| twin.method).collect();
+        let problem = format!("{method} has no twin in WGSL; these have one: {}", names.join(", "));
+        Error::new("-m", problem)
+    })
+}
+
+/// What a method stores in comparisons: exact depths as far as its records have room, and triangles if they do.
+#[must_use]
+pub fn record(contract: &Contract) -> Record {
+    let depth = contract.depth_format.unwrap_or(Format::D32);
+    Record { depth, data: contract.data.unwrap_or(Data::Primitive) }
+}
+
+/// Draw a scene with every method on every path, and compare.
+///
+/// `told` hears of every row as soon as it is there. Where the device is lost, the remaining rows say so.
+///
+/// # Errors
+/// An unknown method.
+pub fn run(
+    device: &Device,
+    scene: &Scene,
+    picture: &Picture,
+    sub_pixel_bits: u32,
+    options: &Options,
+    mut told: impl FnMut(&Row),
+) -> error::Result<Vec<Row>> {
+    let mut runs = Vec::new();
+    for method in &options.methods {
+        let (twin, contract) = (find(method)?, catalogue::contract(method)?);
+        runs.extend(options.paths.iter().map(|&path| Run {
+            device,
+            twin,
+            contract,
+            path,
+            k: options.k,
+            shuffle: options.shuffle,
+            sum: Differences::default(),
+            by_compute: 0,
+            failure: None,
+        }));
+    }
+    for band in picture.bands() {
+        runs.iter_mut().for_each(|run| run.band(&band));
+    }
+    let size = [picture.front.grid.width, picture.front.grid.height];
+    let row = |run: &Run<'_>| {
+        let row = run.row(&scene.name, size, sub_pixel_bits);
+        told(&row);
+        row
+    };
+    Ok(runs.iter().map(row).collect())
+}
+
+/// One method on one path, band by band.
+struct Run<'d> {
+    device: &'d Device,
+    twin: &'static Twin,
+    contract: &'static Contract,
+    path: Path,
+    k: Option<u32>,
+    shuffle: Option<u64>,
+    sum: Differences,
+    by_compute: u64,
+    failure: Option<Failure>,
+}
+
+impl Run<'_> {
+    fn band(&mut self, band: &Band<'_>) {
+        if self.failure.is_some() {
+            return;
+        }
+        match self.draw(band) {
+            Ok((differences, by_compute)) => {
+                self.sum.add(&differences);
+                self.by_compute += by_compute;
+            }
+            Err(Failure::TooLarge(why)) => match band.halves() {
+                Some(halves) => halves.iter().for_each(|half| self.band(half)),
+                None => {
+                    let why = format!("one row of tiles has no room: {why}");
+                    self.failure = Some(Failure::Unsupported(why));
+                }
+            },
+            Err(failure) => self.failure = Some(failure),
+        }
+    }
+
+    fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64)> {
+        self.device.check()?;
+        let record = record(self.contract);
+        let shape = Shape::new(self.contract.name, band.config(self.contract, self.k))
+            .map_err(|error| Failure::Invalid(error.to_string()))?;
+        if self.twin.needs_atomics64() && !self.device.atomics64 {
+            return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
+        }
+        shape.fits(self.device)?;
+        let constants = constants(&shape, record, band.picture.background);
+        let program = Program::new(self.device, self.twin, shape, constants)?;
+        program.clear()?;
+        let mut by_compute = 0;
+        match self.path {
+            Path::Compute => {
+                let fragments = band.stream(record, self.shuffle);
+                program.run(|function| program.compute(function, &fragments))?;
+            }
+            Path::Raster => {
+                let triangles = Triangles::new(band, record);
+                let raster = Raster::new(&program, band, &triangles)?;
+                program.run(|function| raster.draw(function))?;
+                by_compute = triangles.rest.len() as u64;
+            }
+        }
+        let expected = band.expected(self.contract, record, self.k);
+        let got = resolve(&program, &band.picture.palette, &expected.kept.starts)?;
+        Ok((compare(self.contract, self.k, &expected, &got), by_compute))
+    }
+
+    fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Row {
+        let AdapterName { name, driver, .. } = self.device.name.clone();
+        let (status, is_finding, reason) = self.verdict();
+        Row {
+            adapter: name,
+            driver,
+            method: self.contract.name.to_owned(),
+            scene: scene.to_owned(),
+            size,
+            path: self.path,
+            sub_pixel_bits,
+            differences: self.sum,
+            by_compute: self.by_compute,
+            status,
+            reason,
+            is_finding,
+        }
+    }
+
+    fn verdict(&self) -> (Status, bool, String) {
+        let sum = &self.sum;
+        match &self.failure {
+            Some(Failure::Unsupported(why)) => return (Status::Unsupported, false, why.clone()),
+            Some(failure) => return (Status::Failed, true, failure.to_string()),
+            None => {}
+        }
+        if !sum.is_equal() {
+            if sum.not_allowed > 0 || !(self.contract.racy || self.contract.arrival_dependent) {
+                return (Status::Different, true, "not allowed by the contract".to_owned());
+            }
+            let [lost, duplicated, torn] = [sum.lost, sum.duplicated, sum.torn];
+            let why = if self.contract.racy { "it races" } else { "it depends on arrival" };
+            let reason =
+                format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
+            return (Status::Different, false, reason);
+        }
+        let reason = if self.contract.racy && self.path == Path::Raster {
+            "proves nothing about races: a driver may draw a tile in order, on one thread"
+        } else if self.contract.racy {
+            "this time; it races"
+        } else if self.twin.locks() {
+            "not guaranteed by WGSL"
+        } else {
+            ""
+        };
+        (Status::Equal, false, reason.to_owned())
+    }
+}

@@ -1,0 +1,210 @@
+//! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
+//! together or far apart; what comes out is counted against every outcome that the explorer finds.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::crosscheck::Status;
+use super::device::Device;
+use super::failure::{Failure, Result};
+use super::program::{Program, Shape, constants};
+use super::resolve::resolve;
+use super::source::Twin;
+use crate::explore::litmus::{Family, Litmus, instances};
+use crate::explore::{self, Limits, MemoryModel, subject};
+use crate::fragment::{Data, Fragment};
+use crate::num::depth::Format;
+use crate::num::random::Random;
+use crate::raster::{Grid, Record};
+use crate::scheme::Config;
+use crate::scheme::contract::Contract;
+
+/// Copies of a litmus pixel in one picture.
+const COPIES: u32 = 4_096;
+
+/// How a picture of copies is arranged in memory.
+const GRID: Grid = Grid { width: 64, height: 64, tile: 16 };
+
+/// States up to which an instance is explored.
+const STATES: usize = 2_000_000;
+
+/// How much to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Fragments of a pixel, from 2 up to this.
+    pub fragments: u32,
+    /// How often each instance is run, in each of three orders.
+    pub repeats: u64,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { fragments: 3, repeats: 4 }
+    }
+}
+
+/// What a method's litmus pixels gave on a device.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Stressed {
+    /// The adapter.
+    pub adapter: String,
+    /// Its driver.
+    pub driver: String,
+    /// The method.
+    pub method: String,
+    /// Litmus pixels.
+    pub instances: u64,
+    /// Copies run, in all.
+    pub runs: u64,
+    /// Outcomes that the explorer finds, over all instances.
+    pub possible: u64,
+    /// Those of them that were seen.
+    pub seen: u64,
+    /// Runs whose outcome is that of no interleaving.
+    pub outside: u64,
+    /// Equal: no run was outside.
+    pub status: Status,
+    /// Why not; or what it does not prove.
+    pub reason: String,
+}
+
+/// Run a twin's litmus pixels.
+///
+/// # Errors
+/// The device is lost. What it cannot do is said in the result.
+pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<Stressed> {
+    let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
+    let subject = subject(twin.method).map_err(invalid)?;
+    let contract = subject.contract;
+    let mut sum = Stressed {
+        adapter: device.name.name.clone(),
+        driver: device.name.driver.clone(),
+        method: twin.method.to_owned(),
+        instances: 0,
+        runs: 0,
+        possible: 0,
+        seen: 0,
+        outside: 0,
+        status: Status::Equal,
+        reason: String::new(),
+    };
+    if contract.crosses {
+        sum.status = Status::Unsupported;
+        sum.reason =
+            "a table is shared by all pixels, so that copies are not independent".to_owned();
+        return Ok(sum);
+    }
+    let family = Family { fragments: extent.fragments, ks: vec![1, 2], helpers: 0 };
+    let whole = |litmus: &Litmus| {
+        let n = litmus.fragments.len();
+        litmus.pixels == 1 && litmus.room as usize == n && n > 1
+    };
+    let device_model = explore::Device { memory: MemoryModel::Sequential, warp: None };
+    let limits = Limits { states: STATES, cancelled: &|| false };
+    for litmus in instances(contract, &family).into_iter().filter(whole) {
+        let explored = explore::explore(&subject, &litmus, device_model, &limits);
+        if !explored.complete {
+            continue;
+        }
+        let mut tally: BTreeMap<Vec<u64>, u64> =
+            explored.outcomes.keys().map(|lists| (lists[0].clone(), 0)).collect();
+        sum.possible += tally.len() as u64;
+        match run(device, twin, contract, &litmus, extent, &mut tally) {
+            Ok(outside) => sum.outside += outside,
+            Err(Failure::Unsupported(why)) => {
+                sum.status = Status::Unsupported;
+                sum.reason = why;
+                return Ok(sum);
+            }
+            Err(failure) => return Err(failure),
+        }
+        sum.instances += 1;
+        sum.runs += 3 * extent.repeats * u64::from(COPIES);
+        sum.seen += tally.values().filter(|&&count| count > 0).count() as u64;
+    }
+    if sum.outside > 0 {
+        sum.status = Status::Different;
+        sum.reason = format!("{} runs have the outcome of no interleaving", sum.outside);
+    } else if sum.seen < sum.possible {
+        sum.reason = "not every outcome was seen: a device may run what it likes".to_owned();
+    }
+    Ok(sum)
+}
+
+/// Run an instance; how many copies had an outcome that is not in the tally.
+fn run(
+    device: &Device,
+    twin: &'static Twin,
+    contract: &'static Contract,
+    litmus: &Litmus,
+    extent: Extent,
+    tally: &mut BTreeMap<Vec<u64>, u64>,
+) -> Result<u64> {
+    let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
+    let one = litmus.config(contract);
+    let copies = u64::from(COPIES);
+    let config = Config {
+        pixels: COPIES,
+        generated: one.generated * copies,
+        bounded: one.bounded * copies,
+        pages: one.pages * copies,
+        grid: GRID,
+        ..one
+    };
+    let shape = Shape::new(twin.method, config).map_err(invalid)?;
+    let record = Record { depth: Format::D32, data: Data::Color };
+    let constants = constants(&shape, record, [0; 3]);
+    let program = Program::new(device, twin, shape, constants)?;
+    let n = litmus.fragments.len() as u32;
+    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * n).collect();
+    let mut outside = 0;
+    for repeat in 0..extent.repeats {
+        for order in [Order::Together, Order::Apart, Order::Shuffled] {
+            let fragments = order.arrange(litmus, repeat);
+            program.clear()?;
+            program.run(|function| program.compute(function, &fragments))?;
+            let got = resolve(&program, &[0; 256], &starts)?;
+            for pixel in 0..COPIES as usize {
+                let more = got.counts[pixel] > n;
+                match tally.get_mut(got.pixel(pixel)).filter(|_| !more) {
+                    Some(count) => *count += 1,
+                    None => outside += 1,
+                }
+            }
+        }
+    }
+    Ok(outside)
+}
+
+/// Where the fragments of a pixel stand among all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// In neighbouring lanes.
+    Together,
+    /// In different workgroups.
+    Apart,
+    /// Anywhere.
+    Shuffled,
+}
+
+impl Order {
+    fn arrange(self, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
+        let own: Vec<Fragment> = litmus.fragments().collect();
+        let on = |pixel: u32| move |f: &Fragment| Fragment { pixel, ..*f };
+        let mut all: Vec<Fragment> = match self {
+            Self::Apart => {
+                own.iter().flat_map(|f| (0..COPIES).map(move |pixel| on(pixel)(f))).collect()
+            }
+            _ => (0..COPIES).flat_map(|pixel| own.iter().map(on(pixel))).collect(),
+        };
+        let mut random = Random::new(seed, 0);
+        match self {
+            // Also in other orders than that of the litmus pixel.
+            Self::Together => all.chunks_mut(own.len()).for_each(|own| random.shuffle(own)),
+            Self::Apart => random.shuffle(&mut all[..COPIES as usize]),
+            Self::Shuffled => random.shuffle(&mut all),
+        }
+        all
+    }
+}

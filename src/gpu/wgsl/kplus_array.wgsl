@@ -1,0 +1,91 @@
+// k+-buffer with a max-array (Vasilakis, Fudos 2014; K+B-Array), in its correct form.
+//
+// A spin lock per pixel guards an array whose entry 0 is always its farthest. The new farthest is found before anything
+// is written, the freed entry is written before entry 0, and the counter is raised last: so whoever reads counter and
+// entry 0 without the lock is never told too near a depth. (As far as WGSL goes: its atomics are relaxed.)
+
+//# include shared/fragment
+//# include shared/lock
+//# include shared/emit
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    depth: array<atomic<u32>, K>,
+    data: array<u32, K>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+
+fn entry(pixel: u32, i: u32) -> Key {
+    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
+}
+
+fn put(pixel: u32, i: u32, key: Key) {
+    pixels[pixel].data[i] = key.x;
+    atomicStore(&pixels[pixel].depth[i], key.y);
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+// Under the lock.
+fn insert(pixel: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < K {
+        // Append, into entry 0 if it is the farthest; only then raise the counter.
+        var last = key;
+        if count > 0u {
+            let farthest = entry(pixel, 0u);
+            if is_less(farthest, last) {
+                put(pixel, 0u, last);
+                last = farthest;
+            }
+        }
+        put(pixel, count, last);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(pixel, 0u)) {
+        return CULLED;
+    }
+    // Find who will be the farthest before anything is written.
+    var place = 0u;
+    var farthest = key;
+    for (var i = 1u; i < K; i++) {
+        let other = entry(pixel, i);
+        if is_less(farthest, other) {
+            place = i;
+            farthest = other;
+        }
+    }
+    if place != 0u {
+        put(pixel, place, key);
+    }
+    put(pixel, 0u, farthest);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    for (var i = 0u; i < count; i++) {
+        emit(entry(pixel, i));
+    }
+}

@@ -1,0 +1,13 @@
+//# include shared/index
+
+// Which pass of the method's program this is, and how many invocations it has.
+override PASS: u32 = 0u;
+override INVOCATIONS: u32 = 1u;
+
+@compute @workgroup_size(64)
+fn frame_pass(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = linear(id);
+    if index < INVOCATIONS {
+        frame(PASS, index);
+    }
+}

@@ -1,0 +1,6 @@
+//# include pass/raster
+
+@fragment
+fn prepare_raster(corner: Corner) {
+    prepare(fragment_of(corner));
+}
