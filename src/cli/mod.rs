@@ -4,6 +4,7 @@
 //! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
 //! stdout, everything else to stderr, one line each.
 
+mod bench;
 mod catalogue;
 mod check;
 mod claims;
@@ -56,6 +57,8 @@ enum Command {
     Check(Box<check::Args>),
     /// Run a failing schedule again.
     Replay(replay::Args),
+    /// Time methods, by phase, and beside the same schemes on GPUs and Vulkan drivers.
+    Bench(Box<bench::Args>),
     /// Run the same schemes on GPUs and Vulkan drivers, and compare bit for bit.
     #[cfg(feature = "gpu")]
     Crosscheck(Box<crosscheck::Args>),
@@ -112,6 +115,7 @@ fn run(command: &Command) -> Result<Verdict> {
         Command::Compare(args) => compare::run(args),
         Command::Check(args) => check::run(args),
         Command::Replay(args) => replay::run(args),
+        Command::Bench(args) => bench::run(args),
         #[cfg(feature = "gpu")]
         Command::Crosscheck(args) => crosscheck::run(args),
         #[cfg(feature = "gpu")]

@@ -128,9 +128,7 @@ pub fn record(contract: &Contract) -> Record {
     Record { depth, data: contract.data.unwrap_or(Data::Primitive) }
 }
 
-/// Draw a scene with every method on every path, and compare.
-///
-/// `told` hears of every row as soon as it is there. Where the device is lost, the remaining rows say so.
+/// Draw a scene with every method on every path, and compare. Where the device is lost, the remaining rows say so.
 ///
 /// # Errors
 /// An unknown method.
@@ -140,7 +138,6 @@ pub fn run(
     picture: &Picture,
     sub_pixel_bits: u32,
     options: &Options,
-    mut told: impl FnMut(&Row),
 ) -> error::Result<Vec<Row>> {
     let mut runs = Vec::new();
     for method in &options.methods {
@@ -161,12 +158,7 @@ pub fn run(
         runs.iter_mut().for_each(|run| run.band(&band));
     }
     let size = [picture.front.grid.width, picture.front.grid.height];
-    let row = |run: &Run<'_>| {
-        let row = run.row(&scene.name, size, sub_pixel_bits);
-        told(&row);
-        row
-    };
-    Ok(runs.iter().map(row).collect())
+    Ok(runs.iter().map(|run| run.row(&scene.name, size, sub_pixel_bits)).collect())
 }
 
 /// One method on one path, band by band.
@@ -204,7 +196,9 @@ impl Run<'_> {
     }
 
     fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64)> {
-        self.device.check()?;
+        if self.device.is_lost() {
+            return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
+        }
         let record = record(self.contract);
         let shape = Shape::new(self.contract.name, band.config(self.contract, self.k))
             .map_err(|error| Failure::Invalid(error.to_string()))?;

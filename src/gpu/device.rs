@@ -12,7 +12,7 @@ use wgpu::{BufferUsages, Features, PollType};
 
 use super::failure::{Failure, Result};
 
-/// How long a submission may take, in seconds.
+/// How long a submission may take unless somebody says so, in seconds.
 pub const PATIENCE: u64 = 120;
 
 /// What an adapter says of itself.
@@ -59,6 +59,8 @@ pub struct Device {
     pub atomics64: bool,
     /// What it has room for.
     pub limits: wgpu::Limits,
+    /// How long a submission may take, in seconds.
+    pub patience: u64,
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     failure: Arc<Mutex<Option<Failure>>>,
@@ -67,7 +69,7 @@ pub struct Device {
 impl Drop for Device {
     /// A device that hangs is leaked.
     fn drop(&mut self) {
-        if self.failure().is_some_and(|failure| failure.is_fatal()) {
+        if self.is_lost() {
             std::mem::forget((self.device.clone(), self.queue.clone()));
         }
     }
@@ -119,11 +121,18 @@ impl Device {
                 note(&lost, Failure::Lost(message));
             }
         });
-        Ok(Self { name: name(adapter), atomics64, limits, device, queue, failure })
+        let (name, patience) = (name(adapter), PATIENCE);
+        Ok(Self { name, atomics64, limits, patience, device, queue, failure })
     }
 
     fn failure(&self) -> Option<Failure> {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Whether the device can be used no more.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.failure().is_some_and(|failure| failure.is_fatal())
     }
 
     /// What went wrong since the last call, if anything did. Only what is fatal stays.
@@ -199,17 +208,17 @@ impl Device {
     /// Run commands, and wait for them.
     ///
     /// # Errors
-    /// Whatever the device says; or it says nothing within [`PATIENCE`] seconds.
+    /// Whatever the device says; or it says nothing within [`Self::patience`] seconds.
     pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
         let index = self.queue.submit([encoder.finish()]);
         self.wait(Some(index))
     }
 
     fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
-        let timeout = Some(Duration::from_secs(PATIENCE));
+        let timeout = Some(Duration::from_secs(self.patience));
         match self.device.poll(PollType::Wait { submission_index, timeout }) {
             Ok(_) => {}
-            Err(wgpu::PollError::Timeout) => note(&self.failure, Failure::TimedOut(PATIENCE)),
+            Err(wgpu::PollError::Timeout) => note(&self.failure, Failure::TimedOut(self.patience)),
             Err(error) => note(&self.failure, Failure::Invalid(error.to_string())),
         }
         self.check()

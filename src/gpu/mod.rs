@@ -16,6 +16,7 @@ pub mod device;
 pub mod failure;
 pub mod open;
 pub mod program;
+pub mod race;
 pub mod raster;
 pub mod resolve;
 pub mod source;

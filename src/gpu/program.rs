@@ -1,5 +1,8 @@
 //! A method's passes on a device, with its words in buffers whose layout is the simulator's.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
 use super::device::Device;
@@ -221,10 +224,12 @@ pub struct Program<'d> {
     _table: Option<wgpu::Buffer>,
     pub(super) words_group: Group,
     module: wgpu::ShaderModule,
+    /// What was compiled, by entry point and overrides.
+    passes: RefCell<BTreeMap<String, Pass>>,
 }
 
-/// A pipeline and what it needs besides words.
-#[derive(Debug)]
+/// A pipeline.
+#[derive(Clone, Debug)]
 pub struct Pass {
     pipeline: wgpu::ComputePipeline,
 }
@@ -272,10 +277,22 @@ impl<'d> Program<'d> {
         }));
         let words_group = group(device, &bindings)?;
         let module = device.module(twin.method, &twin.module(&constants, Path::Compute)?)?;
-        Ok(Self { device, twin, shape, constants, words, _table: table, words_group, module })
+        let passes = RefCell::default();
+        Ok(Self {
+            device,
+            twin,
+            shape,
+            constants,
+            words,
+            _table: table,
+            words_group,
+            module,
+            passes,
+        })
     }
 
-    /// A compute pass: an entry point of the module, and the layout of its second group, if it has one.
+    /// A compute pass: an entry point of the module, and the layout of its second group, if it has one. It is compiled
+    /// once.
     ///
     /// # Errors
     /// The device refuses.
@@ -285,6 +302,10 @@ impl<'d> Program<'d> {
         second: Option<&wgpu::BindGroupLayout>,
         overrides: &[(&str, f64)],
     ) -> Result<Pass> {
+        let name = format!("{entry} {overrides:?}");
+        if let Some(pass) = self.passes.borrow().get(&name) {
+            return Ok(pass.clone());
+        }
         let groups = [Some(&self.words_group.layout), second];
         let device = &self.device.device;
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -304,7 +325,10 @@ impl<'d> Program<'d> {
             compilation_options,
             cache: None,
         });
-        self.device.check().map(|()| Pass { pipeline })
+        self.device.check()?;
+        let pass = Pass { pipeline };
+        self.passes.borrow_mut().insert(name, pass.clone());
+        Ok(pass)
     }
 
     /// Have so many invocations of a pass run.

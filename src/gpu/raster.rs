@@ -4,6 +4,8 @@
 //! has anything to clip; a scissor cuts the band out. What does not fit into the viewport, and polygons whose fan turns
 //! back on itself (their coverage is a sum of signs), go the compute way, and are counted.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use wgpu::BufferUsages;
@@ -109,6 +111,8 @@ pub struct Raster<'a, 'd> {
     module: wgpu::ShaderModule,
     buffer: wgpu::Buffer,
     target: wgpu::TextureView,
+    /// What was compiled, by function.
+    pipelines: RefCell<BTreeMap<String, wgpu::RenderPipeline>>,
 }
 
 impl<'a, 'd> Raster<'a, 'd> {
@@ -135,7 +139,8 @@ impl<'a, 'd> Raster<'a, 'd> {
         let bytes = bytemuck::cast_slice(&triangles.instances);
         let buffer = device.filled("triangles", bytes, BufferUsages::VERTEX)?;
         let target = target(device, band.grid.width, band.grid.height)?;
-        Ok(Self { program, band, triangles, module, buffer, target })
+        let pipelines = RefCell::default();
+        Ok(Self { program, band, triangles, module, buffer, target, pipelines })
     }
 
     /// A geometry pass: the triangles, then what goes the compute way.
@@ -183,6 +188,9 @@ impl<'a, 'd> Raster<'a, 'd> {
     }
 
     fn pipeline(&self, entry: &str) -> Result<wgpu::RenderPipeline> {
+        if let Some(pipeline) = self.pipelines.borrow().get(entry) {
+            return Ok(pipeline.clone());
+        }
         let device = self.program.device;
         let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
@@ -223,7 +231,9 @@ impl<'a, 'd> Raster<'a, 'd> {
             multiview_mask: None,
             cache: None,
         });
-        device.check().map(|()| pipeline)
+        device.check()?;
+        self.pipelines.borrow_mut().insert(entry.to_owned(), pipeline.clone());
+        Ok(pipeline)
     }
 }
 

@@ -12,7 +12,7 @@ use super::program::{Program, Shape, constants};
 use super::resolve::resolve;
 use super::source::Twin;
 use crate::explore::litmus::{Family, Litmus, instances};
-use crate::explore::{self, Limits, MemoryModel, subject};
+use crate::explore::{self, Limits, MemoryModel, Profile, Subject, subject};
 use crate::fragment::{Data, Fragment};
 use crate::num::depth::Format;
 use crate::num::random::Random;
@@ -61,8 +61,12 @@ pub struct Stressed {
     pub possible: u64,
     /// Those of them that were seen.
     pub seen: u64,
-    /// Runs whose outcome is that of no interleaving.
+    /// Runs whose outcome is that of no interleaving, but which relaxed memory allows.
+    pub relaxed: u64,
+    /// Runs whose outcome nothing explains that was explored.
     pub outside: u64,
+    /// The first of them: the litmus pixel, and what came out.
+    pub first_outside: Option<String>,
     /// Equal: no run was outside.
     pub status: Status,
     /// Why not; or what it does not prove.
@@ -85,7 +89,9 @@ pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<St
         runs: 0,
         possible: 0,
         seen: 0,
+        relaxed: 0,
         outside: 0,
+        first_outside: None,
         status: Status::Equal,
         reason: String::new(),
     };
@@ -111,7 +117,7 @@ pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<St
             explored.outcomes.keys().map(|lists| (lists[0].clone(), 0)).collect();
         sum.possible += tally.len() as u64;
         match run(device, twin, contract, &litmus, extent, &mut tally) {
-            Ok(outside) => sum.outside += outside,
+            Ok(others) => sum.explain(&subject, &litmus, &others),
             Err(Failure::Unsupported(why)) => {
                 sum.status = Status::Unsupported;
                 sum.reason = why;
@@ -125,14 +131,45 @@ pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<St
     }
     if sum.outside > 0 {
         sum.status = Status::Different;
-        sum.reason = format!("{} runs have the outcome of no interleaving", sum.outside);
+        let why =
+            if contract.racy { "it races on plain words, where anything may happen: " } else { "" };
+        let first = sum.first_outside.clone().unwrap_or_default();
+        sum.reason =
+            format!("{why}{} runs that nothing explored explains, first {first}", sum.outside);
+    } else if sum.relaxed > 0 {
+        sum.status = Status::Different;
+        sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
     } else if sum.seen < sum.possible {
         sum.reason = "not every outcome was seen: a device may run what it likes".to_owned();
     }
     Ok(sum)
 }
 
-/// Run an instance; how many copies had an outcome that is not in the tally.
+impl Stressed {
+    /// Outcomes of no interleaving: those that relaxed memory allows, and the others.
+    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Vec<u64>, u64>) {
+        if others.is_empty() {
+            return;
+        }
+        let device = explore::Device { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
+        let limits = Limits { states: STATES, cancelled: &|| false };
+        let explored = explore::explore(subject, litmus, device, &limits);
+        for (keys, &count) in others {
+            if explored.outcomes.contains_key(std::slice::from_ref(keys)) {
+                self.relaxed += count;
+                continue;
+            }
+            self.outside += count;
+            self.first_outside.get_or_insert_with(|| {
+                let more =
+                    if explored.complete { "" } else { " (relaxed memory: not all explored)" };
+                format!("{}: {keys:x?}{more}", litmus.describe())
+            });
+        }
+    }
+}
+
+/// Run an instance; what came out that is not in the tally.
 fn run(
     device: &Device,
     twin: &'static Twin,
@@ -140,7 +177,7 @@ fn run(
     litmus: &Litmus,
     extent: Extent,
     tally: &mut BTreeMap<Vec<u64>, u64>,
-) -> Result<u64> {
+) -> Result<BTreeMap<Vec<u64>, u64>> {
     let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
     let one = litmus.config(contract);
     let copies = u64::from(COPIES);
@@ -158,7 +195,7 @@ fn run(
     let program = Program::new(device, twin, shape, constants)?;
     let n = litmus.fragments.len() as u32;
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * n).collect();
-    let mut outside = 0;
+    let mut others = BTreeMap::new();
     for repeat in 0..extent.repeats {
         for order in [Order::Together, Order::Apart, Order::Shuffled] {
             let fragments = order.arrange(litmus, repeat);
@@ -166,15 +203,15 @@ fn run(
             program.run(|function| program.compute(function, &fragments))?;
             let got = resolve(&program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let more = got.counts[pixel] > n;
-                match tally.get_mut(got.pixel(pixel)).filter(|_| !more) {
+                let found = got.pixel(pixel);
+                match tally.get_mut(found).filter(|_| got.counts[pixel] <= n) {
                     Some(count) => *count += 1,
-                    None => outside += 1,
+                    None => *others.entry(found.to_vec()).or_default() += 1,
                 }
             }
         }
     }
-    Ok(outside)
+    Ok(others)
 }
 
 /// Where the fragments of a pixel stand among all.

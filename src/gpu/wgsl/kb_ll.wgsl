@@ -11,9 +11,9 @@
 //# include shared/list
 //# include shared/emit
 
-// Failures before an invocation gives up. Each means that another got in, or that the operation failed for no reason,
-// as it may in WGSL.
-const FAILURES: u32 = 1048576u;
+// A compare-exchange fails because another got in, which changes the link. One that fails without that failed for no
+// reason, as it may in WGSL; or this lane is a helper of a quad, whose atomics do nothing. So often, it may.
+const FUTILE: u32 = 64u;
 
 struct Pixel {
     head: atomic<u32>,
@@ -57,9 +57,13 @@ fn store(fragment: Fragment) -> u32 {
     var previous = NONE;
     var nearer = 0u;
     var own = NONE;
-    var failures = 0u;
-    while failures < FAILURES {
+    var failed = false;
+    var last = NONE;
+    var futile = 0u;
+    while futile < FUTILE {
         let next = next_of(fragment.pixel, previous);
+        futile += u32(failed && next == last);
+        failed = false;
         if next != NONE && !is_less(key, keys[next]) {
             previous = next;
             nearer += 1u;
@@ -78,7 +82,8 @@ fn store(fragment: Fragment) -> u32 {
             if publish(fragment.pixel, previous, next, own) {
                 return KEPT;
             }
-            failures += 1u;
+            failed = true;
+            last = next;
         }
     }
     return STUCK;

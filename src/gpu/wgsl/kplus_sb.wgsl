@@ -17,6 +17,10 @@
 // Up to this k, an array is faster than a heap.
 const ARRAY_UP_TO: u32 = 16u;
 
+// A compare-exchange fails because another counted, which changes the counter. One that fails without that failed for no
+// reason, as it may in WGSL; or this lane is a helper of a quad, whose atomics do nothing. So often, it may.
+const FUTILE: u32 = 64u;
+
 struct Pixel {
     lock: atomic<u32>,
     counter: atomic<u32>,
@@ -54,11 +58,15 @@ fn clear(pixel: u32) {
 
 // The count pass.
 fn prepare(fragment: Fragment) {
-    for (var attempt = 0u; attempt < PATIENCE; attempt++) {
+    var last = EMPTY;
+    var futile = 0u;
+    while futile < FUTILE {
         let count = atomicLoad(&pixels[fragment.pixel].counter);
         if count > K {
             return;
         }
+        futile += u32(count == last);
+        last = count;
         if atomicCompareExchangeWeak(&pixels[fragment.pixel].counter, count, count + 1u).exchanged {
             return;
         }

@@ -7,5 +7,6 @@
 const FREE: u32 = 0u;
 const TAKEN: u32 = 1u;
 
-// Attempts before an invocation gives up.
-const PATIENCE: u32 = 1048576u;
+// Attempts before an invocation gives up: more than fit into the time that an operating system may keep a holder from
+// running, where lanes are threads of a CPU.
+const PATIENCE: u32 = 16777216u;

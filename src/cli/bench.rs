@@ -1,0 +1,330 @@
+//! `fragloom bench`: how fast methods are, by phase, and beside the same schemes on devices.
+
+use std::collections::BTreeMap;
+
+use super::flags::Output;
+use super::{Verdict, say, values, wait};
+use crate::error::{Error, Result};
+use crate::render::{Data, Exec, Options, render};
+use crate::report::json;
+use crate::report::text::{Align, columns};
+use crate::scene::{self, Overrides, Scene, Shading};
+use crate::scheme::contract::Contract;
+
+/// Scenes that are timed where none is named.
+const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottles"];
+
+/// The size of `--quick`.
+const QUICK: [u32; 2] = [256, 256];
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Meshes, scene files or built-in scenes [default: three of the built-in ones]
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+
+    /// Methods to time, separated by commas
+    #[arg(
+        short,
+        long = "method",
+        value_name = "METHOD,...",
+        value_delimiter = ',',
+        default_value = "ab-ll,kplus-array"
+    )]
+    methods: Vec<String>,
+
+    /// Fragments kept per pixel, at least 1 [default: the method's own]
+    #[arg(short, value_name = "N", allow_negative_numbers = true)]
+    k: Option<u32>,
+
+    /// Image size in pixels, each edge 1 to 16384 [default: the scene's, else 1024x1024]
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+
+    /// Small pictures: 256x256
+    #[arg(long, conflicts_with = "size")]
+    quick: bool,
+
+    /// How often each is timed, 1 to 1000; the median counts
+    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
+    repeats: u32,
+
+    /// Time the same scheme on every device by turns, too
+    #[cfg(feature = "gpu")]
+    #[arg(long)]
+    gpu: bool,
+
+    /// With `--gpu`, only adapters whose name or driver contains this [default: all]
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "NAME", requires = "gpu")]
+    adapter: Option<String>,
+
+    #[command(flatten)]
+    output: Output,
+}
+
+/// One method on one scene, by one executor; and by a device, if one was asked for.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+struct Row {
+    method: String,
+    scene: String,
+    exec: String,
+    threads: usize,
+    fragments: u64,
+    /// Medians, by phase.
+    seconds: BTreeMap<String, f64>,
+    /// Of clear, store and resolve.
+    mfrag_per_s: f64,
+    /// How far the machine's own limit is away: not measured.
+    limit_ratio: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gpu_seconds: Option<f64>,
+    /// The device's time over ours, median of alternating runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ratio: Option<f64>,
+    /// The smallest and the largest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ratio_spread: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unsupported: Option<String>,
+}
+
+/// Time everything, print a row each.
+///
+/// # Errors
+/// Wrong options or scenes, or no device where one was asked for.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    if !(1..=1_000).contains(&args.repeats) {
+        let problem = format!("is {}, but must be 1 to 1000", args.repeats);
+        return Err(Error::new("--repeats", problem));
+    }
+    let quick = args.quick.then_some(QUICK);
+    let size = args.size.as_deref().map(values::size).transpose()?.or(quick);
+    // One colour a triangle: shading in floats is not what is timed, and devices do not do it.
+    let shading = Some(Shading::Flat);
+    let overrides = Overrides { size, shading, ..Overrides::default() };
+    let named: Vec<String> = match args.scenes.as_slice() {
+        [] => SCENES.map(str::to_owned).to_vec(),
+        named => named.to_vec(),
+    };
+    let contracts: Vec<&Contract> = args
+        .methods
+        .iter()
+        .map(|name| super::catalogue::find("-m", name))
+        .collect::<Result<_>>()?;
+    let scenes: Vec<Scene> =
+        named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
+    let mut rows = Vec::new();
+    #[cfg(feature = "gpu")]
+    let devices =
+        if args.gpu { crate::gpu::open::devices(args.adapter.as_deref())? } else { Vec::new() };
+    for scene in &scenes {
+        for contract in &contracts {
+            let message = format!("timing {} on {}", contract.name, scene.name);
+            let timed = wait::during(args.output.quiet, &message, || {
+                #[cfg(feature = "gpu")]
+                if args.gpu {
+                    return devices::rows(args, scene, contract, &devices);
+                }
+                rows_of(args, scene, contract)
+            })?;
+            rows.extend(timed);
+        }
+    }
+    let text = if args.output.json { json::document(&rows)? } else { table(&rows) };
+    say::result(&text)?;
+    Ok(Verdict::Clean)
+}
+
+fn options(args: &Args, contract: &Contract, exec: Exec, sub_pixel_bits: u32) -> Options {
+    Options {
+        method: contract.name.to_owned(),
+        k: args.k,
+        exec,
+        sub_pixel_bits,
+        data: Data::Color,
+        counters: false,
+        ..Options::default()
+    }
+}
+
+fn rows_of(args: &Args, scene: &Scene, contract: &Contract) -> Result<Vec<Row>> {
+    [Exec::Tile, Exec::Threads]
+        .into_iter()
+        .map(|exec| {
+            let options = options(args, contract, exec, 8);
+            let runs: Vec<Run> =
+                (0..args.repeats).map(|_| once(scene, &options)).collect::<Result<_>>()?;
+            Ok(row(&runs))
+        })
+        .collect()
+}
+
+/// A frame: who drew it, and its times.
+#[derive(Clone, Debug)]
+struct Run {
+    row: Row,
+    seconds: BTreeMap<String, f64>,
+    frame: f64,
+}
+
+fn once(scene: &Scene, options: &Options) -> Result<Run> {
+    let report = render(scene, options)?.report;
+    let frame = report.seconds.get("draw").copied().unwrap_or_default();
+    let row = Row {
+        method: report.method,
+        scene: report.scene,
+        exec: report.exec,
+        threads: report.threads,
+        fragments: report.generated,
+        ..Row::default()
+    };
+    Ok(Run { row, seconds: report.seconds, frame })
+}
+
+fn row(runs: &[Run]) -> Row {
+    let first = &runs[0];
+    let phase = |name: &String| {
+        let times = runs.iter().filter_map(|run| run.seconds.get(name).copied()).collect();
+        (name.clone(), median(times))
+    };
+    let frame = median(runs.iter().map(|run| run.frame).collect());
+    let seconds = first.seconds.keys().map(phase).collect();
+    Row { seconds, mfrag_per_s: first.row.fragments as f64 / frame / 1e6, ..first.row.clone() }
+}
+
+/// The middle one, or the mean of both.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[n / 2],
+        n => f64::midpoint(values[n / 2 - 1], values[n / 2]),
+    }
+}
+
+fn table(rows: &[Row]) -> String {
+    use Align::{Left, Right};
+    let heading = [
+        "method",
+        "scene",
+        "exec",
+        "fragments",
+        "draw s",
+        "Mfrag/s",
+        "adapter",
+        "adapter s",
+        "ratio",
+        "spread",
+    ];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    lines.extend(rows.iter().map(|row| {
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or(String::new(), |value| format!("{value:.digits$}"))
+        };
+        let spread = match (&row.unsupported, row.ratio_spread) {
+            (Some(why), _) => format!("unsupported: {why}"),
+            (_, Some([low, high])) => format!("{low:.2}-{high:.2}"),
+            _ => String::new(),
+        };
+        vec![
+            row.method.clone(),
+            row.scene.clone(),
+            row.exec.clone(),
+            row.fragments.to_string(),
+            number(row.seconds.get("draw").copied(), 4),
+            number(Some(row.mfrag_per_s), 1),
+            row.adapter.clone().unwrap_or_default(),
+            number(row.gpu_seconds, 4),
+            number(row.ratio, 2),
+            spread,
+        ]
+    }));
+    let align = [Left, Left, Left, Right, Right, Right, Left, Right, Right, Left];
+    columns(&align, &lines)
+}
+
+#[cfg(feature = "gpu")]
+mod devices {
+    //! By turns with devices.
+
+    use super::{Args, Contract, Exec, Result, Row, Run, Scene, median, once, options, row};
+    use crate::gpu::band::Picture;
+    use crate::gpu::crosscheck::find;
+    use crate::gpu::failure::Failure;
+    use crate::gpu::open::Opened;
+    use crate::gpu::race::Contender;
+    use crate::scheme::catalogue;
+
+    pub(super) fn rows(
+        args: &Args,
+        scene: &Scene,
+        contract: &Contract,
+        devices: &[Opened],
+    ) -> Result<Vec<Row>> {
+        let twin = find(catalogue::contract(contract.name)?.name)?;
+        let mut rows = Vec::new();
+        for opened in devices {
+            let picture = Picture::new(scene, opened.bits());
+            let contender = Contender::new(&opened.device, &picture, twin, args.k);
+            for exec in [Exec::Tile, Exec::Threads] {
+                let options = options(args, contract, exec, opened.bits());
+                let mut runs = Vec::new();
+                let mut failed = None;
+                let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {
+                    contender.seconds(args.k, args.repeats, || match once(scene, &options) {
+                        Ok(run) => runs.push(run),
+                        Err(error) => failed = Some(error),
+                    })
+                });
+                if let Some(error) = failed {
+                    return Err(error);
+                }
+                if runs.is_empty() {
+                    runs.push(once(scene, &options)?);
+                }
+                rows.push(beside(&runs, opened, theirs));
+            }
+        }
+        Ok(rows)
+    }
+
+    fn beside(
+        runs: &[Run],
+        opened: &Opened,
+        theirs: std::result::Result<Vec<f64>, Failure>,
+    ) -> Row {
+        let adapter = Some(opened.device.name.name.clone());
+        let row = Row { adapter, ..row(runs) };
+        match theirs {
+            Err(failure) => Row { unsupported: Some(failure.to_string()), ..row },
+            Ok(seconds) => {
+                let ratio = |(run, theirs): (&Run, &f64)| theirs / run.frame;
+                let ratios: Vec<f64> = runs.iter().zip(&seconds).map(ratio).collect();
+                let ends = ratios.iter().fold([f64::MAX, 0.0f64], |[low, high], &ratio| {
+                    [low.min(ratio), high.max(ratio)]
+                });
+                Row {
+                    gpu_seconds: Some(median(seconds)),
+                    ratio: Some(median(ratios)),
+                    ratio_spread: Some(ends),
+                    ..row
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_is_the_median() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]).to_bits(), 2.0f64.to_bits());
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]).to_bits(), 2.5f64.to_bits());
+        assert_eq!(median(Vec::new()).to_bits(), 0);
+    }
+}

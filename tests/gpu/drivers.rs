@@ -1,0 +1,285 @@
+//! What drivers compute.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use fragloom::gpu::band::Picture;
+use fragloom::gpu::compare::compare;
+use fragloom::gpu::conform::{self, conform};
+use fragloom::gpu::crosscheck::{self, Options, Path, Row, Status};
+use fragloom::gpu::device::{Device, adapters};
+use fragloom::gpu::failure::Failure;
+use fragloom::gpu::open::{Opened, devices};
+use fragloom::gpu::program::{Program, Shape, constants};
+use fragloom::gpu::resolve::resolve;
+use fragloom::gpu::source::{TWINS, Twin, twin};
+use fragloom::gpu::stress::{self, stress};
+use fragloom::scene::Scene;
+use fragloom::scheme::catalogue::contract;
+
+use super::support::{scene, small_scenes};
+
+/// Drivers on CPUs take all cores: one test at a time.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// All devices; or none, and a line that says so, unless they are demanded.
+fn all(test: &str) -> Vec<Opened> {
+    let demanded = std::env::var("FRAGLOOM_ADAPTERS").map_or(0, |n| n.parse().expect("a number"));
+    let found = devices(None).unwrap_or_default();
+    assert!(found.len() >= demanded, "{} adapters instead of {demanded}", found.len());
+    if found.is_empty() {
+        println!("skipped: {test} needs a Vulkan driver");
+    }
+    found
+}
+
+fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Row> {
+    let picture = Picture::new(scene, opened.bits());
+    let options = opened.paths(options);
+    crosscheck::run(&opened.device, scene, &picture, opened.bits(), &options).expect("methods")
+}
+
+#[test]
+fn devices_compute_what_the_simulator_computes() {
+    let _turn = turn();
+    for opened in all("the cross-check") {
+        let mut compared = 0;
+        for scene in small_scenes() {
+            for row in crosscheck(&opened, &scene, &Options::default()) {
+                assert!(!row.is_finding, "{row:?}");
+                let contract = contract(&row.method).expect("a method");
+                if contract.order_independent() && row.status != Status::Unsupported {
+                    assert_eq!(row.status, Status::Equal, "{row:?}");
+                    compared += row.differences.fragments;
+                }
+            }
+        }
+        println!("{}: {compared} fragments compared, 0 differences", opened.device.name.name);
+        assert!(compared > 500_000, "{compared}");
+    }
+}
+
+/// Polygons that the near plane cut, and triangles far larger than the picture, both ways.
+#[test]
+fn clipped_and_huge_triangles_are_equal_too() {
+    let _turn = turn();
+    let mut scene = scene("hairball:strands=40", [71, 53]);
+    let text = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
+    scene.camera.eye = glam::DVec3::new(0.2, 0.1, 0.3);
+    scene.camera.near = 0.05;
+    let huge = super::support::scene(text, [33, 21]);
+    for opened in all("clipping") {
+        for scene in [&scene, &huge] {
+            for row in crosscheck(&opened, scene, &methods(&["ab-ll"])) {
+                assert_eq!(row.status, Status::Equal, "{row:?}");
+                assert!(row.differences.fragments > 0);
+            }
+        }
+    }
+}
+
+fn methods(names: &[&'static str]) -> Options {
+    Options { methods: names.to_vec(), ..Options::default() }
+}
+
+/// With as many slots as fragments nobody is dropped; with fewer, the contract allows any of them, and no others.
+#[test]
+fn arrival_decides_only_where_the_contract_says_so() {
+    let _turn = turn();
+    let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
+    for opened in all("arrival") {
+        let few = Options { k: Some(5), paths: vec![Path::Compute], ..methods(&["ab-array"]) };
+        let row = crosscheck(&opened, &scene, &few).remove(0);
+        assert_eq!(row.status, Status::Different, "{row:?}");
+        assert!(!row.is_finding && row.differences.not_allowed == 0, "{row:?}");
+        assert!(row.reason.contains("depends on arrival"), "{row:?}");
+    }
+}
+
+#[test]
+fn a_race_is_counted_and_is_no_finding() {
+    let _turn = turn();
+    let scene = scene("layers:count=24", [64, 64]);
+    for opened in all("races") {
+        for row in crosscheck(&opened, &scene, &methods(&["kb"])) {
+            assert!(!row.is_finding, "{row:?}");
+            assert!(row.reason.contains("race"), "{row:?}");
+        }
+    }
+}
+
+/// Words, outcomes, one invocation at a time.
+#[test]
+fn twins_do_what_schemes_do() {
+    let _turn = turn();
+    for opened in all("conformance") {
+        for twin in TWINS {
+            let extent = conform::Extent { fragments: 3, programs: 8 };
+            let found = conform(&opened.device, twin, extent).expect("a device");
+            assert_eq!(found.difference, None, "{found:?}");
+            if found.unsupported.is_none() {
+                assert!(found.steps > 100 && found.words > 500, "{found:?}");
+            }
+        }
+    }
+}
+
+/// A twin with one change.
+fn mutant(method: &'static str, from: &str, to: &str) -> &'static Twin {
+    let twin = twin(method).expect("a twin");
+    let text = twin.text.replace(from, to);
+    assert_ne!(text, twin.text, "{method}: {from}");
+    Box::leak(Box::new(Twin { method, text: text.leak() }))
+}
+
+#[test]
+fn conformance_finds_changed_twins() {
+    let _turn = turn();
+    let mutants = [
+        mutant("ab-ll", "nodes.links[node] = ", "nodes.links[0] = "),
+        mutant("ab-array", "return KEPT", "return CULLED"),
+        mutant("kplus-array", "put(pixel, count, last);", "put(pixel, count, key);"),
+        mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
+        mutant("kb", "is_less", "!is_less"),
+        mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
+        mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
+    ];
+    for opened in all("mutants") {
+        for mutant in mutants {
+            let extent = conform::Extent { fragments: 3, programs: 12 };
+            let found = conform(&opened.device, mutant, extent).expect("a device");
+            // One that sums the same group twice sums the only one there is.
+            let equivalent = mutant.method == "s-buffer";
+            assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
+        }
+    }
+}
+
+/// What comes out of copies that race is what interleavings can give; a lock that is not taken gives more.
+#[test]
+fn litmus_pixels_have_outcomes_of_interleavings() {
+    let _turn = turn();
+    for opened in all("litmus pixels") {
+        for method in ["ab-ll", "kplus-array", "kb-ll"] {
+            let extent = stress::Extent { fragments: 3, repeats: 1 };
+            let twin = twin(method).expect("a twin");
+            let found = stress(&opened.device, twin, extent).expect("a device");
+            assert_eq!((found.outside, found.relaxed), (0, 0), "{found:?}");
+            assert!(found.runs >= 12 * 3 * 4_096 && found.seen > 0, "{found:?}");
+        }
+        let unlocked = mutant("kplus-array", "TAKEN) == FREE", "TAKEN) < 2u");
+        let extent = stress::Extent { fragments: 3, repeats: 1 };
+        let found = stress(&opened.device, unlocked, extent).expect("a device");
+        assert!(found.outside + found.relaxed > 0, "{found:?}");
+    }
+}
+
+/// The negative control: one bit of what came back, anywhere, is seen.
+#[test]
+fn a_flipped_bit_is_seen() {
+    let _turn = turn();
+    let scene = scene("cubes", [48, 40]);
+    for opened in all("the negative control") {
+        let picture = Picture::new(&scene, opened.bits());
+        let contract = contract("ab-ll").expect("a method");
+        let record = crosscheck::record(contract);
+        let band = picture.whole();
+        let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
+        let constants = constants(&shape, record, picture.background);
+        let twin = twin("ab-ll").expect("a twin");
+        let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
+        let fragments = band.stream(record, Some(1));
+        program.clear().expect("cleared");
+        program.run(|function| program.compute(function, &fragments)).expect("stored");
+        let expected = band.expected(contract, record, None);
+        let got = resolve(&program, &picture.palette, &expected.kept.starts).expect("resolved");
+        assert!(compare(contract, None, &expected, &got).is_equal());
+        let middle = got.keys.len() / 2;
+        for bit in 0..64 {
+            let mut flipped = got.clone();
+            flipped.keys[middle] ^= 1 << bit;
+            let found = compare(contract, None, &expected, &flipped);
+            assert_eq!((found.list_differences, found.not_allowed), (1, 1), "bit {bit}: {found:?}");
+            let depth = u64::from(bit >= 32);
+            assert_eq!(
+                (found.depth_differences, found.coverage_differences),
+                (depth, 2 - 2 * depth)
+            );
+        }
+        let pixel = (0..got.counts.len()).find(|&p| got.counts[p] > 1).expect("a covered pixel");
+        let mut fewer = got.clone();
+        fewer.counts[pixel] ^= 1;
+        assert!(!compare(contract, None, &expected, &fewer).is_equal());
+        let mut more = got.clone();
+        more.counts[pixel] += 2;
+        assert_eq!(compare(contract, None, &expected, &more).not_allowed, 1);
+        let mut other = got;
+        other.colors[pixel] ^= 1 << 8;
+        assert_eq!(compare(contract, None, &expected, &other).pixel_differences, 1);
+    }
+}
+
+/// Vertices that are not on the device's grid are moved onto it by the device, and then edges differ: sub-pixel precision
+/// matters, and is measured right.
+#[test]
+fn a_finer_grid_than_the_device_has_is_seen() {
+    let _turn = turn();
+    let scene = scene("hairball:strands=60", [96, 96]);
+    for opened in all("sub-pixel precision") {
+        let bits = opened.bits();
+        assert!(bits == 4 || bits == 8);
+        if bits == 8 {
+            continue;
+        }
+        let fine = Picture::new(&scene, 8);
+        let options = Options { paths: vec![Path::Raster], ..methods(&["ab-ll"]) };
+        let rows = crosscheck::run(&opened.device, &scene, &fine, 8, &options);
+        let row = rows.expect("a method").remove(0);
+        assert_eq!(row.status, Status::Different, "{row:?}");
+        assert!(row.is_finding && row.differences.coverage_differences > 0, "{row:?}");
+    }
+}
+
+/// A device that does not come back is reported, and what follows is not waited for.
+#[test]
+fn a_hang_is_survived() {
+    let _turn = turn();
+    let Some(adapter) = adapters().into_iter().next() else {
+        return println!("skipped: hangs need a Vulkan driver");
+    };
+    let mut device = Device::open(&adapter).expect("a device");
+    device.patience = 1;
+    // Some tens of seconds in one lane, and then it ends.
+    let slow =
+        "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
+    let twin = mutant("ab-ll", "let node", slow);
+    let contract = contract("ab-ll").expect("a method");
+    let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
+    let band = picture.whole();
+    let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
+    let record = crosscheck::record(contract);
+    let constants = constants(&shape, record, [0; 3]);
+    let program = Program::new(&device, twin, shape, constants).expect("a program");
+    let fragments = band.stream(record, None);
+    let found = program.compute("store", &fragments[..1]);
+    assert_eq!(found, Err(Failure::TimedOut(1)));
+    assert!(device.is_lost());
+    assert_eq!(program.clear(), Err(Failure::TimedOut(1)), "and stays so");
+}
+
+#[test]
+fn what_has_no_room_is_refused() {
+    let _turn = turn();
+    for opened in all("limits") {
+        let most = opened.device.largest();
+        let usage = wgpu::BufferUsages::STORAGE;
+        let found = opened.device.buffer("too large", most + 1, usage);
+        assert!(matches!(found, Err(Failure::TooLarge(_))), "{found:?}");
+        let found = opened.device.module("wrong", "fn main( {");
+        assert!(matches!(found, Err(Failure::Invalid(_))), "{found:?}");
+        assert_eq!(opened.device.check(), Ok(()), "and the device goes on");
+    }
+}

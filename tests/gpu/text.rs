@@ -1,0 +1,184 @@
+//! What can be known of twins without a driver.
+
+use fragloom::fragment::Data;
+use fragloom::gpu::program::{Shape, constants};
+use fragloom::gpu::source::{Path, TWINS, Twin, twin};
+use fragloom::num::depth::Format;
+use fragloom::raster::{Grid, Record};
+use fragloom::scheme::Config;
+use fragloom::scheme::catalogue::contract;
+use fragloom::scheme::contract::Kind;
+use fragloom::scheme::hash::Settings;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Configurations of different character: few and many fragments, small and large k.
+fn configs() -> Vec<Config> {
+    let grid = Grid { width: 40, height: 30, tile: 16 };
+    let config = |k, generated: u64, most: u32| Config {
+        k,
+        pixels: grid.storage_pixels() as u32,
+        generated,
+        max_depth_complexity: most,
+        bounded: generated,
+        pages: generated.div_ceil(4),
+        grid,
+        hash: Settings { size: [48, 48], ..Settings::default() },
+    };
+    vec![
+        config(None, 1_000, 7),
+        config(Some(1), 1, 1),
+        config(Some(20), 123_456, 300),
+        config(None, 0, 0),
+    ]
+}
+
+fn modules(twin: &Twin) -> Vec<(Shape, String)> {
+    let mut modules = Vec::new();
+    for config in configs() {
+        let shape = Shape::new(twin.method, config).expect("a method");
+        for (depth, data) in [(Format::D32, Data::Primitive), (Format::D24, Data::Nothing)] {
+            let constants = constants(&shape, Record { depth, data }, [1, 2, 3]);
+            let raster = constants
+                .clone()
+                .with_signed("CENTER_X", -5)
+                .with_signed("CENTER_Y", 1 << 20)
+                .with_power("PER_HALF_VIEWPORT", -20)
+                .with("BAND_TOP", 16);
+            for (constants, path) in [(constants, Path::Compute), (raster, Path::Raster)] {
+                let text = twin.module(&constants, path).expect("a module");
+                modules.push((shape.clone(), text));
+            }
+        }
+    }
+    modules
+}
+
+fn parse(method: &str, text: &str) -> naga::Module {
+    naga::front::wgsl::parse_str(text)
+        .unwrap_or_else(|error| panic!("{method}: {}", error.emit_to_string(text)))
+}
+
+#[test]
+fn naga_validates_every_twin() {
+    for twin in TWINS {
+        for (_, text) in modules(twin) {
+            let module = parse(twin.method, &text);
+            let mut needs = Capabilities::empty();
+            if twin.needs_atomics64() {
+                needs = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+            }
+            Validator::new(ValidationFlags::all(), needs)
+                .validate(&module)
+                .unwrap_or_else(|e| panic!("{}: {}", twin.method, e.emit_to_string(&text)));
+        }
+    }
+}
+
+/// A buffer of the first group has exactly the layout's words, where these are not empty: pixel after pixel, or the
+/// frame's up to an array whose length is the buffer's.
+#[test]
+fn words_are_where_the_simulator_has_them() {
+    for twin in TWINS {
+        for (shape, text) in modules(twin) {
+            let module = parse(twin.method, &text);
+            let (pixel, frame) = (shape.layout.per_pixel(), shape.layout.per_frame());
+            let sizes =
+                [4 * pixel.words32, 8 * pixel.words64, 4 * frame.words32, 8 * frame.words64];
+            for (binding, &words) in (0..).zip(&sizes) {
+                let found = size_of_element(&module, binding);
+                let what = format!("{} binding {binding}: {words} bytes", twin.method);
+                match found {
+                    None => assert_eq!(words, 0, "{what}, and none declared"),
+                    Some(_) if words == 0 => {}
+                    Some((size, _)) if binding < 2 => assert_eq!(size, words, "{what}"),
+                    Some((size, true)) => {
+                        assert!(size <= words && (words - size) % 4 == 0, "{what}")
+                    }
+                    // Arrays that would be empty have one element.
+                    Some((size, false)) => assert!(size == words || words < 64, "{what}, {size}"),
+                }
+            }
+        }
+    }
+}
+
+/// Bytes of an element of the runtime-sized array that a binding is, or of a struct without the array that it ends in,
+/// or of the whole; and whether there is such an array.
+fn size_of_element(module: &naga::Module, binding: u32) -> Option<(u64, bool)> {
+    let at = naga::ResourceBinding { group: 0, binding };
+    let (_, variable) = module.global_variables.iter().find(|(_, v)| v.binding == Some(at))?;
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).expect("a layout");
+    let bytes = |ty| u64::from(layouter[ty].size);
+    let is_dynamic = |ty| {
+        matches!(
+            module.types[ty].inner,
+            naga::TypeInner::Array { size: naga::ArraySize::Dynamic, .. }
+        )
+    };
+    Some(match &module.types[variable.ty].inner {
+        naga::TypeInner::Array { base, size: naga::ArraySize::Dynamic, .. } => {
+            if binding < 2 {
+                (bytes(*base), true)
+            } else {
+                (0, true)
+            }
+        }
+        naga::TypeInner::Struct { members, .. } => match members.last() {
+            Some(last) if is_dynamic(last.ty) => (last.offset.into(), true),
+            _ => (bytes(variable.ty), false),
+        },
+        _ => (bytes(variable.ty), false),
+    })
+}
+
+#[test]
+fn twins_define_the_passes_of_their_programs() {
+    for twin in TWINS {
+        let contract = contract(twin.method).expect("a method");
+        let has = |kind| contract.program.passes.iter().any(|pass| pass.kind == kind);
+        for (function, needed) in [
+            ("prepare", has(Kind::Prepare)),
+            ("screen", has(Kind::Screen)),
+            ("frame", has(Kind::Frame)),
+            ("clear", true),
+            ("store", true),
+            ("resolve", true),
+        ] {
+            assert_eq!(twin.defines(function), needed, "{}: {function}", twin.method);
+        }
+        assert!(!contract.program.repeats, "{}: rounds have no twin", twin.method);
+    }
+}
+
+#[test]
+fn contracts_say_how_wgsl_expresses_what_has_a_twin() {
+    for twin in TWINS {
+        let contract = contract(twin.method).expect("a method");
+        assert!(contract.wgsl.is_some(), "{}", twin.method);
+        let said = contract.wgsl.unwrap_or_default();
+        assert_eq!(twin.locks(), said.contains("a lock is outside"), "{}: {said}", twin.method);
+    }
+    assert!(twin("exact").is_none());
+}
+
+#[test]
+fn a_file_is_included_once_and_unknown_ones_are_refused() {
+    let (_, text) = modules(twin("kplus-sb").expect("a twin")).remove(0);
+    assert_eq!(text.matches("struct Fragment {").count(), 1);
+    assert!(!text.contains("//# include"));
+    let wrong = Twin { method: "ab-ll", text: "//# include shared/nothing\n" };
+    let error = wrong.module(&Default::default(), Path::Compute).expect_err("no such file");
+    assert!(error.to_string().contains("shared/nothing"), "{error}");
+}
+
+#[test]
+fn a_faulty_text_is_not_valid() {
+    let (_, text) = modules(twin("ab-ll").expect("a twin")).remove(0);
+    let wrong = text.replace("atomicAdd(&nodes.taken, 1u)", "atomicAdd(&nodes.taken, 1.0)");
+    assert_ne!(text, wrong);
+    let valid = naga::front::wgsl::parse_str(&wrong).is_ok_and(|module| {
+        Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok()
+    });
+    assert!(!valid);
+}
