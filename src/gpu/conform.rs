@@ -9,7 +9,6 @@ use super::device::Device;
 use super::failure::{Failure, Result};
 use super::program::{Bound, Group, Pass, Program, Shape, WRITABLE, constants, group, words_of};
 use super::source::Twin;
-use crate::error;
 use crate::exec::drive::{Outcomes, Pipeline};
 use crate::explore::litmus::{Family, Litmus, instances};
 use crate::fragment::{Data, Fragment};
@@ -158,7 +157,7 @@ fn bytes<T: bytemuck::NoUninit>(words: &[T]) -> Vec<u8> {
 /// # Errors
 /// The device is lost. What it cannot do is said in the result.
 pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<Conformance> {
-    let contract = catalogue::contract(twin.method).map_err(invalid)?;
+    let contract = catalogue::contract(twin.method)?;
     let mut sum = Conformance {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
@@ -166,7 +165,7 @@ pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<C
         ..Conformance::default()
     };
     for (config, group) in programs(contract, extent) {
-        let shape = Shape::new(twin.method, config).map_err(invalid)?;
+        let shape = Shape::new(twin.method, config)?;
         // What is stored is given, in the method's own format.
         let record = Record { depth: Format::D32, data: Data::Color };
         let constants = constants(&shape, record, [0; 3]);
@@ -185,10 +184,6 @@ pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<C
         }
     }
     Ok(sum)
-}
-
-fn invalid(error: error::Error) -> Failure {
-    Failure::Invalid(error.to_string())
 }
 
 /// Litmus pixels by configuration; of many, some, evenly chosen.
@@ -270,7 +265,7 @@ impl<'a, 'd> Bench<'a, 'd> {
             orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();
         let config = self.program.shape.config;
         let host = Host { config, fragments: &fragments, orders: &runs };
-        let right = catalogue::visit(contract.name, host).map_err(invalid)?;
+        let right = catalogue::visit(contract.name, host)?;
         let mut slots = vec![0u8; (SLOT * MOST) as usize];
         for (i, fragment) in fragments.iter().enumerate() {
             let at = i * SLOT as usize;

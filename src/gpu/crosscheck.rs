@@ -200,8 +200,7 @@ impl Run<'_> {
             return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
         }
         let record = record(self.contract);
-        let shape = Shape::new(self.contract.name, band.config(self.contract, self.k))
-            .map_err(|error| Failure::Invalid(error.to_string()))?;
+        let shape = Shape::new(self.contract.name, band.config(self.contract, self.k))?;
         if self.twin.needs_atomics64() && !self.device.atomics64 {
             return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
         }

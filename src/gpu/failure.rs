@@ -31,5 +31,11 @@ impl Failure {
     }
 }
 
+impl From<crate::error::Error> for Failure {
+    fn from(error: crate::error::Error) -> Self {
+        Self::Invalid(error.to_string())
+    }
+}
+
 /// A device's result.
 pub type Result<T> = std::result::Result<T, Failure>;

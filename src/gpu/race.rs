@@ -5,7 +5,7 @@
 use super::band::{Band, Picture};
 use super::crosscheck::record;
 use super::device::Device;
-use super::failure::{Failure, Result};
+use super::failure::Result;
 use super::program::{Program, Shape, constants};
 use super::raster::{Raster, Triangles};
 use super::resolve::Resolve;
@@ -32,11 +32,10 @@ impl<'d> Contender<'d> {
         twin: &'static Twin,
         k: Option<u32>,
     ) -> Result<Self> {
-        let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
-        let contract = catalogue::contract(twin.method).map_err(invalid)?;
+        let contract = catalogue::contract(twin.method)?;
         let band = picture.whole();
         let record = record(contract);
-        let shape = Shape::new(twin.method, band.config(contract, k)).map_err(invalid)?;
+        let shape = Shape::new(twin.method, band.config(contract, k))?;
         let constants = constants(&shape, record, picture.background);
         let program = Program::new(device, twin, shape, constants)?;
         let triangles = Triangles::new(&band, record);

@@ -78,8 +78,7 @@ pub struct Stressed {
 /// # Errors
 /// The device is lost. What it cannot do is said in the result.
 pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<Stressed> {
-    let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
-    let subject = subject(twin.method).map_err(invalid)?;
+    let subject = subject(twin.method)?;
     let contract = subject.contract;
     let mut sum = Stressed {
         adapter: device.name.name.clone(),
@@ -178,7 +177,6 @@ fn run(
     extent: Extent,
     tally: &mut BTreeMap<Vec<u64>, u64>,
 ) -> Result<BTreeMap<Vec<u64>, u64>> {
-    let invalid = |error: crate::error::Error| Failure::Invalid(error.to_string());
     let one = litmus.config(contract);
     let copies = u64::from(COPIES);
     let config = Config {
@@ -189,7 +187,7 @@ fn run(
         grid: GRID,
         ..one
     };
-    let shape = Shape::new(twin.method, config).map_err(invalid)?;
+    let shape = Shape::new(twin.method, config)?;
     let record = Record { depth: Format::D32, data: Data::Color };
     let constants = constants(&shape, record, [0; 3]);
     let program = Program::new(device, twin, shape, constants)?;

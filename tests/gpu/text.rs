@@ -92,7 +92,7 @@ fn words_are_where_the_simulator_has_them() {
                     Some(_) if words == 0 => {}
                     Some((size, _)) if binding < 2 => assert_eq!(size, words, "{what}"),
                     Some((size, true)) => {
-                        assert!(size <= words && (words - size) % 4 == 0, "{what}")
+                        assert!(size <= words && (words - size) % 4 == 0, "{what}");
                     }
                     // Arrays that would be empty have one element.
                     Some((size, false)) => assert!(size == words || words < 64, "{what}, {size}"),
