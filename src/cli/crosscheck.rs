@@ -302,6 +302,7 @@ fn without_raster(
         sub_pixel_bits: bits,
         differences: crate::gpu::compare::Differences::default(),
         by_compute: 0,
+        repeated: 0,
         status: Status::Unsupported,
         reason: why.to_owned(),
         is_finding: false,
@@ -367,6 +368,10 @@ fn lines(rows: &[Row]) -> String {
             0 => String::new(),
             n => format!(" ({n} fragments by compute)"),
         };
+        let repeated = match row.repeated {
+            0 => String::new(),
+            n => format!(" ({n} waits for a lock begun again)"),
+        };
         // Adapters' names are long, and told in the summary.
         let adapter = row.adapter.split([' ', '(']).next().unwrap_or_default();
         lines.push(vec![
@@ -380,7 +385,7 @@ fn lines(rows: &[Row]) -> String {
             sum.depth_differences.to_string(),
             sum.list_differences.to_string(),
             sum.pixel_differences.to_string(),
-            status(row.status, &row.reason) + &by_compute,
+            status(row.status, &row.reason) + &by_compute + &repeated,
         ]);
     }
     use Align::{Left, Right};

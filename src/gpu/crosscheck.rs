@@ -79,6 +79,8 @@ pub struct Row {
     pub differences: Differences,
     /// Fragments on the raster path that went the compute way.
     pub by_compute: u64,
+    /// Invocations on the compute path that gave up waiting for a lock, and were run again.
+    pub repeated: u64,
     /// Equal, different, unsupported or failed.
     pub status: Status,
     /// Why; or what equality does not prove.
@@ -151,6 +153,7 @@ pub fn run(
             shuffle: options.shuffle,
             sum: Differences::default(),
             by_compute: 0,
+            repeated: 0,
             failure: None,
         }));
     }
@@ -171,6 +174,7 @@ struct Run<'d> {
     shuffle: Option<u64>,
     sum: Differences,
     by_compute: u64,
+    repeated: u64,
     failure: Option<Failure>,
 }
 
@@ -180,9 +184,10 @@ impl Run<'_> {
             return;
         }
         match self.draw(band) {
-            Ok((differences, by_compute)) => {
+            Ok((differences, by_compute, repeated)) => {
                 self.sum.add(&differences);
                 self.by_compute += by_compute;
+                self.repeated += repeated;
             }
             Err(Failure::TooLarge(why)) => match band.halves() {
                 Some(halves) => halves.iter().for_each(|half| self.band(half)),
@@ -195,7 +200,7 @@ impl Run<'_> {
         }
     }
 
-    fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64)> {
+    fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64, u64)> {
         if self.device.is_lost() {
             return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
         }
@@ -223,7 +228,8 @@ impl Run<'_> {
         }
         let expected = band.expected(self.contract, record, self.k);
         let got = resolve(&program, &band.picture.palette, &expected.kept.starts)?;
-        Ok((compare(self.contract, self.k, &expected, &got), by_compute))
+        let differences = compare(self.contract, self.k, &expected, &got);
+        Ok((differences, by_compute, program.again()))
     }
 
     fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Row {
@@ -239,6 +245,7 @@ impl Run<'_> {
             sub_pixel_bits,
             differences: self.sum,
             by_compute: self.by_compute,
+            repeated: self.repeated,
             status,
             reason,
             is_finding,

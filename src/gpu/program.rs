@@ -1,6 +1,6 @@
 //! A method's passes on a device, with its words in buffers whose layout is the simulator's.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
@@ -23,6 +23,12 @@ const ROW: u64 = 32_768;
 
 /// Fragments of one submission on the compute path.
 pub const CHUNK: usize = 1 << 20;
+
+/// How often an invocation is run again that gave up waiting for a lock.
+const PATIENCE: u32 = 1_000;
+
+/// What an invocation says that gave up (`shared/fragment.wgsl`).
+const STUCK: u32 = 7;
 
 /// Room that every buffer of words has beyond them: a struct in WGSL ends with an array of at least one element.
 const SPARE: u64 = 64;
@@ -224,6 +230,8 @@ pub struct Program<'d> {
     _table: Option<wgpu::Buffer>,
     pub(super) words_group: Group,
     module: wgpu::ShaderModule,
+    /// Invocations that gave up waiting for a lock, and were run again.
+    again: Cell<u64>,
     /// What was compiled, by entry point and overrides.
     passes: RefCell<BTreeMap<String, Pass>>,
 }
@@ -278,6 +286,7 @@ impl<'d> Program<'d> {
         let words_group = group(device, &bindings)?;
         let module = device.module(twin.method, &twin.module(&constants, Path::Compute)?)?;
         let passes = RefCell::default();
+        let again = Cell::default();
         Ok(Self {
             device,
             twin,
@@ -287,8 +296,15 @@ impl<'d> Program<'d> {
             _table: table,
             words_group,
             module,
+            again,
             passes,
         })
+    }
+
+    /// Invocations so far that gave up waiting for a lock, and were run again. The raster path has no way to tell.
+    #[must_use]
+    pub fn again(&self) -> u64 {
+        self.again.get()
     }
 
     /// A compute pass: an entry point of the module, and the layout of its second group, if it has one. It is compiled
@@ -407,33 +423,46 @@ impl<'d> Program<'d> {
         self.pass("frame_pass", None, &overrides)
     }
 
-    /// A geometry pass on the compute path.
+    /// A geometry pass on the compute path. Who gives up waiting for a lock has stored nothing, and is run again.
     ///
     /// # Errors
     /// Whatever the device says.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
-        if fragments.is_empty() {
-            return Ok(());
-        }
         let room = 16 * fragments.len().min(CHUNK) as u64;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
         let buffer = self.device.buffer("fragments", room, usage)?;
-        let entry = format!("{function}_pass");
-        let mut made: Option<(u64, Group, Pass)> = None;
         for chunk in fragments.chunks(CHUNK) {
-            let bytes: Vec<[u32; 4]> = chunk.iter().map(words_of).collect();
-            self.device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&bytes));
-            let size = 16 * chunk.len() as u64;
-            let (group, pass) = match made.take() {
-                Some((same, group, pass)) if same == size => (group, pass),
-                _ => self.fragments_group(&buffer, 0, size, &entry)?,
-            };
-            let mut encoder = self.device.encoder();
-            self.dispatch(&mut encoder, &pass, Some(&group.group), chunk.len() as u64);
-            self.device.submit(encoder)?;
-            made = Some((size, group, pass));
+            let mut words: Vec<[u32; 4]> = chunk.iter().map(words_of).collect();
+            self.compute_chunk(function, &buffer, &words)?;
+            for _ in 0..PATIENCE {
+                if !(self.twin.locks() && function == "store") {
+                    break;
+                }
+                let found = self.device.read(&buffer, 16 * words.len() as u64)?;
+                words = bytemuck::pod_collect_to_vec(&found);
+                words.retain(|fragment| fragment[3] == STUCK);
+                if words.is_empty() {
+                    break;
+                }
+                self.again.set(self.again.get() + words.len() as u64);
+                self.compute_chunk(function, &buffer, &words)?;
+            }
         }
         Ok(())
+    }
+
+    fn compute_chunk(
+        &self,
+        function: &str,
+        buffer: &wgpu::Buffer,
+        words: &[[u32; 4]],
+    ) -> Result<()> {
+        self.device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words));
+        let entry = format!("{function}_pass");
+        let (group, pass) = self.fragments_group(buffer, 0, 16 * words.len() as u64, &entry)?;
+        let mut encoder = self.device.encoder();
+        self.dispatch(&mut encoder, &pass, Some(&group.group), words.len() as u64);
+        self.device.submit(encoder)
     }
 
     /// The second group of a geometry pass over a part of a buffer of fragments, and the pass.

@@ -243,31 +243,34 @@ fn a_finer_grid_than_the_device_has_is_seen() {
     }
 }
 
-/// A device that does not come back is reported, and what follows is not waited for.
+/// A device that does not come back is reported, and what follows is not waited for. Some drivers end any loop after
+/// 65,535 iterations, and come back.
 #[test]
 fn a_hang_is_survived() {
     let _turn = turn();
-    let Some(adapter) = adapters().into_iter().next() else {
-        return println!("skipped: hangs need a Vulkan driver");
-    };
-    let mut device = Device::open(&adapter).expect("a device");
-    device.patience = 1;
-    // Some tens of seconds in one lane, and then it ends.
     let slow =
-        "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
+        "for (var i = 0u; i < 4000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
     let twin = mutant("ab-ll", "let node", slow);
     let contract = contract("ab-ll").expect("a method");
+    let record = crosscheck::record(contract);
     let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
     let band = picture.whole();
-    let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
-    let record = crosscheck::record(contract);
-    let constants = constants(&shape, record, [0; 3]);
-    let program = Program::new(&device, twin, shape, constants).expect("a program");
     let fragments = band.stream(record, None);
-    let found = program.compute("store", &fragments[..1]);
-    assert_eq!(found, Err(Failure::TimedOut(1)));
-    assert!(device.is_lost());
-    assert_eq!(program.clear(), Err(Failure::TimedOut(1)), "and stays so");
+    for adapter in adapters() {
+        let mut device = Device::open(&adapter).expect("a device");
+        device.patience = 1;
+        let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
+        let constants = constants(&shape, record, [0; 3]);
+        let program = Program::new(&device, twin, shape, constants).expect("a program");
+        match program.compute("store", &fragments[..1]) {
+            Ok(()) => println!("{} ends the loop by itself", device.name.name),
+            found => {
+                assert_eq!(found, Err(Failure::TimedOut(1)));
+                assert!(device.is_lost());
+                assert_eq!(program.clear(), Err(Failure::TimedOut(1)), "and stays so");
+            }
+        }
+    }
 }
 
 #[test]

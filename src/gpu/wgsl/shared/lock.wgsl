@@ -7,6 +7,6 @@
 const FREE: u32 = 0u;
 const TAKEN: u32 = 1u;
 
-// Attempts before an invocation gives up: more than fit into the time that an operating system may keep a holder from
-// running, where lanes are threads of a CPU.
-const PATIENCE: u32 = 16777216u;
+// Attempts before an invocation gives up, with nothing stored; the host then runs it again. Fewer than the 65,535
+// iterations after which some drivers end any loop.
+const PATIENCE: u32 = 32768u;
