@@ -119,7 +119,7 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     let mut rows = Vec::new();
     #[cfg(feature = "gpu")]
     let devices =
-        if args.gpu { crate::gpu::open::devices(args.adapter.as_deref())? } else { Vec::new() };
+        if args.gpu { super::crosscheck::devices(args.adapter.as_deref())? } else { Vec::new() };
     for scene in &scenes {
         for contract in &contracts {
             let message = format!("timing {} on {}", contract.name, scene.name);

@@ -119,13 +119,14 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     let scenes: Vec<Scene> = wait::during(args.output.quiet, "loading", || {
         named.iter().map(load).collect::<Result<_>>()
     })?;
-    let devices = open::devices(args.adapter.as_deref())?;
+    let devices = devices(args.adapter.as_deref())?;
+    let adapters: Vec<String> = devices.iter().map(|one| one.device.name.name.clone()).collect();
     let mut rows = Vec::new();
     for scene in &scenes {
         let own = compare(args, scene, &devices, &options)?;
         // Scene by scene: this can take a while.
         if !args.output.json {
-            say::result(&lines(&own))?;
+            say::result(&lines(&own, &adapters))?;
         }
         rows.extend(own);
     }
@@ -136,8 +137,20 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
             row.adapter, row.method, row.scene, row.path, row.reason
         ));
     }
-    let found = rows.iter().any(|row| row.is_finding);
+    // What is unsupported is no pass.
+    let compared = rows.iter().any(|row| matches!(row.status, Status::Equal | Status::Different));
+    if !compared {
+        say::violation("nothing was compared");
+    }
+    let found = !compared || rows.iter().any(|row| row.is_finding);
     Ok(if found { Verdict::Found } else { Verdict::Clean })
+}
+
+/// The devices that take part; who cannot is named in a warning.
+pub(super) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>> {
+    let found = open::devices(wanted)?;
+    found.refused.iter().for_each(|refused| say::warning(&format!("left out: {refused}")));
+    Ok(found.opened)
 }
 
 fn options(args: &Args) -> Result<Options> {
@@ -146,7 +159,10 @@ fn options(args: &Args) -> Result<Options> {
         return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
     }
     if !args.methods.is_empty() {
-        let name = |method: &String| crosscheck::find(method).map(|twin| twin.method);
+        let name = |method: &String| {
+            let contract = super::catalogue::find("-m", method)?;
+            crosscheck::find(contract.name).map(|twin| twin.method)
+        };
         options.methods = args.methods.iter().map(name).collect::<Result<_>>()?;
     }
     if let Some(path) = args.path {
@@ -178,7 +194,7 @@ fn litmus(args: &Args, options: &Options) -> Result<Verdict> {
     if args.repeats == 0 {
         return Err(Error::new("--repeats", "is 0, but must be at least 1"));
     }
-    let devices = open::devices(args.adapter.as_deref())?;
+    let devices = devices(args.adapter.as_deref())?;
     let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
     let mut all = Litmus::default();
     let mut failures = Vec::new();
@@ -275,8 +291,8 @@ fn compare(
             rows.extend(wait::during(quiet, &message, || {
                 crosscheck::run(device, scene, &picture, bits, &allowed)
             })?);
-            if let Some(why) = opened.no_raster(options) {
-                rows.extend(without_raster(scene, opened, options, bits, &why));
+            if let Some(failure) = opened.no_raster(options) {
+                rows.extend(without_raster(scene, opened, options, bits, &failure));
             }
         }
     }
@@ -289,9 +305,10 @@ fn without_raster(
     opened: &open::Opened,
     options: &Options,
     bits: u32,
-    why: &str,
+    failure: &Failure,
 ) -> Vec<Row> {
     let name = opened.device.name.clone();
+    let (status, is_finding, reason) = crosscheck::failed(failure);
     let row = |method: &&'static str| Row {
         adapter: name.name.clone(),
         driver: name.driver.clone(),
@@ -303,9 +320,9 @@ fn without_raster(
         differences: crate::gpu::compare::Differences::default(),
         by_compute: 0,
         repeated: 0,
-        status: Status::Unsupported,
-        reason: why.to_owned(),
-        is_finding: false,
+        status,
+        reason: reason.clone(),
+        is_finding,
     };
     options.methods.iter().map(row).collect()
 }
@@ -313,8 +330,17 @@ fn without_raster(
 /// What was compared on each adapter, in all.
 fn summary(rows: &[Row]) -> String {
     use Align::{Left, Right};
-    let heading =
-        ["adapter", "driver", "sub-pixel bits", "rows", "equal", "fragments", "differences"];
+    let heading = [
+        "adapter",
+        "driver",
+        "sub-pixel bits",
+        "equal",
+        "different",
+        "unsupported",
+        "failed",
+        "fragments",
+        "differences",
+    ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     let mut adapters: Vec<(&str, &str, u32)> = rows
         .iter()
@@ -331,25 +357,36 @@ fn summary(rows: &[Row]) -> String {
             })
             .collect();
         let fragments: u64 = own.iter().map(|row| row.differences.fragments).sum();
-        let equal = own.iter().filter(|row| row.status == Status::Equal).count();
+        let with = |status| own.iter().filter(|row| row.status == status).count().to_string();
         let findings = own.iter().filter(|row| row.is_finding).count();
-        let differences = if findings == 0 {
+        let differences = if fragments == 0 {
+            "nothing compared".to_owned()
+        } else if findings == 0 {
             "none that a contract does not allow".to_owned()
         } else {
             format!("{findings} rows with some that no contract allows")
         };
-        let counts = [bits.to_string(), own.len().to_string(), equal.to_string()];
-        let [name, driver] = [name, driver].map(str::to_owned);
-        lines.push(
-            [vec![name, driver], counts.to_vec(), vec![fragments.to_string(), differences]]
-                .concat(),
+        let mut line = vec![name.to_owned(), driver.to_owned(), bits.to_string()];
+        line.extend(
+            [Status::Equal, Status::Different, Status::Unsupported, Status::Failed].map(with),
         );
+        line.extend([fragments.to_string(), differences]);
+        lines.push(line);
     }
-    format!("\n{}", columns(&[Left, Left, Right, Right, Right, Right, Left], &lines))
+    let align = [Left, Left, Right, Right, Right, Right, Right, Right, Left];
+    format!("\n{}", columns(&align, &lines))
 }
 
-fn lines(rows: &[Row]) -> String {
+/// As many of an adapter's first words as tell it from the others: names are long, and whole in the summary.
+fn short<'a>(name: &'a str, all: &[String]) -> &'a str {
+    let ends = name.match_indices(' ').map(|(at, _)| at);
+    let is_own = |start: &&str| all.iter().filter(|other| other.starts_with(*start)).count() < 2;
+    ends.map(|end| &name[..end]).find(is_own).unwrap_or(name)
+}
+
+fn lines(rows: &[Row], adapters: &[String]) -> String {
     let heading = [
+        "adapter",
         "method",
         "scene",
         "size",
@@ -370,12 +407,10 @@ fn lines(rows: &[Row]) -> String {
         };
         let repeated = match row.repeated {
             0 => String::new(),
-            n => format!(" ({n} waits for a lock begun again)"),
+            n => format!(" (waits for a lock begun again: {n})"),
         };
-        // Adapters' names are long, and told in the summary.
-        let adapter = row.adapter.split([' ', '(']).next().unwrap_or_default();
         lines.push(vec![
-            adapter.to_owned(),
+            short(&row.adapter, adapters).to_owned(),
             row.method.clone(),
             row.scene.clone(),
             format!("{}x{}", row.size[0], row.size[1]),

@@ -254,10 +254,8 @@ impl Run<'_> {
 
     fn verdict(&self) -> (Status, bool, String) {
         let sum = &self.sum;
-        match &self.failure {
-            Some(Failure::Unsupported(why)) => return (Status::Unsupported, false, why.clone()),
-            Some(failure) => return (Status::Failed, true, failure.to_string()),
-            None => {}
+        if let Some(failure) = &self.failure {
+            return failed(failure);
         }
         if !sum.is_equal() {
             if sum.not_allowed > 0 || !(self.contract.racy || self.contract.arrival_dependent) {
@@ -273,11 +271,20 @@ impl Run<'_> {
             "proves nothing about races: a driver may draw a tile in order, on one thread"
         } else if self.contract.racy {
             "this time; it races"
-        } else if self.twin.locks() {
+        } else if !self.contract.is_within_wgsl() {
             "not guaranteed by WGSL"
         } else {
             ""
         };
         (Status::Equal, false, reason.to_owned())
+    }
+}
+
+/// What a row says whose run ended early: its status, whether it is a finding, and the reason.
+#[must_use]
+pub fn failed(failure: &Failure) -> (Status, bool, String) {
+    match failure {
+        Failure::Unsupported(why) => (Status::Unsupported, false, why.clone()),
+        failure => (Status::Failed, true, failure.to_string()),
     }
 }

@@ -26,14 +26,17 @@ impl Opened {
 
     /// Why the raster path is out of question, if it is and was asked for.
     #[must_use]
-    pub fn no_raster(&self, options: &Options) -> Option<String> {
+    pub fn no_raster(&self, options: &Options) -> Option<Failure> {
         if !options.paths.contains(&Path::Raster) {
             return None;
         }
         match &self.measured {
             Ok(bits) if *bits >= 4 => None,
-            Ok(bits) => Some(format!("vertices have {bits} sub-pixel bits, at least 4 are needed")),
-            Err(failure) => Some(failure.to_string()),
+            Ok(bits) => {
+                let why = format!("vertices have {bits} sub-pixel bits, at least 4 are needed");
+                Some(Failure::Unsupported(why))
+            }
+            Err(failure) => Some(failure.clone()),
         }
     }
 
@@ -48,26 +51,48 @@ impl Opened {
     }
 }
 
-/// Open all adapters, or those whose name or driver contains `wanted`.
+/// The devices that take part, and the adapters that could not be opened.
+#[derive(Debug, Default)]
+pub struct Devices {
+    /// Those that take part, at least one.
+    pub opened: Vec<Opened>,
+    /// Adapters that refused, and why.
+    pub refused: Vec<String>,
+}
+
+/// Open all adapters, or those whose name or driver contains `wanted`. Of adapters with the same name and driver, the
+/// second is called `NAME (2)`, and so on.
 ///
 /// # Errors
-/// There is none, and what would help.
-pub fn devices(wanted: Option<&str>) -> Result<Vec<Opened>> {
-    let fits = |adapter: &wgpu::Adapter| {
-        let name = device::name(adapter);
+/// There is none, or none can be opened, and what would help.
+pub fn devices(wanted: Option<&str>) -> Result<Devices> {
+    let mut found = Devices::default();
+    let mut names = Vec::new();
+    for adapter in device::adapters() {
+        let mut name = device::name(&adapter);
         let text = format!("{} {}", name.name, name.driver).to_lowercase();
-        wanted.is_none_or(|wanted| text.contains(&wanted.to_lowercase()))
-    };
-    let adapters: Vec<wgpu::Adapter> = device::adapters().into_iter().filter(fits).collect();
-    let mut opened = Vec::new();
-    for adapter in &adapters {
-        let device = Device::open(adapter).map_err(|failure| {
-            Error::new("--adapter", format!("{}: {failure}", device::name(adapter).name))
-        })?;
-        let measured = raster::sub_pixel_bits(&device);
-        opened.push(Opened { device, measured });
+        if wanted.is_some_and(|wanted| !text.contains(&wanted.to_lowercase())) {
+            continue;
+        }
+        names.push(text.clone());
+        let same = names.iter().filter(|&other| *other == text).count();
+        if same > 1 {
+            name.name += &format!(" ({same})");
+        }
+        match Device::open(&adapter) {
+            Ok(mut device) => {
+                device.name = name;
+                let measured = raster::sub_pixel_bits(&device);
+                found.opened.push(Opened { device, measured });
+            }
+            Err(failure) => found.refused.push(format!("{}: {failure}", name.name)),
+        }
     }
-    if opened.is_empty() { Err(none(wanted)) } else { Ok(opened) }
+    match (found.opened.is_empty(), found.refused.first()) {
+        (false, _) => Ok(found),
+        (true, Some(refused)) => Err(Error::new("--adapter", refused.clone())),
+        (true, None) => Err(none(wanted)),
+    }
 }
 
 /// What to say where there is no adapter.

@@ -316,6 +316,12 @@ impl Contract {
         !self.arrival_dependent && !self.racy
     }
 
+    /// Whether WGSL guarantees what the method needs; otherwise its results there may be right, and are not owed.
+    #[must_use]
+    pub fn is_within_wgsl(&self) -> bool {
+        self.wgsl.is_none_or(|how| !how.contains("outside WGSL's guarantees"))
+    }
+
     /// A built-in fault of this method, racy as most are.
     #[must_use]
     pub const fn fault(

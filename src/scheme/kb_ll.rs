@@ -64,6 +64,9 @@ const CONTRACT: Contract = Contract {
     judged: true,
     overflow: "nodes behind the k-th stay in the pool, which holds F",
     needs: "compare-exchange with release, acquire loads; 32-bit atomic add",
+    wgsl: Some(
+        "storage buffers; a publication is outside WGSL's guarantees (relaxed atomics only)",
+    ),
     demand: Demand::Generated,
     source: include_str!("kb_ll.rs"),
     ..Contract::BASE

@@ -50,6 +50,7 @@ const CONTRACT: Contract = Contract {
     published_words: Some("2k"),
     overflow: "the farthest is evicted",
     needs: "64-bit atomic minimum, relaxed",
+    wgsl: Some("storage buffers; 64-bit atomicMin (not in the standard)"),
     source: include_str!("kb_mdt64.rs"),
     ..Contract::BASE
 };

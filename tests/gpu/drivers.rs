@@ -28,7 +28,7 @@ fn turn() -> MutexGuard<'static, ()> {
 /// All devices; or none, and a line that says so, unless they are demanded.
 fn all(test: &str) -> Vec<Opened> {
     let demanded = std::env::var("FRAGLOOM_ADAPTERS").map_or(0, |n| n.parse().expect("a number"));
-    let found = devices(None).unwrap_or_default();
+    let found = devices(None).unwrap_or_default().opened;
     assert!(found.len() >= demanded, "{} adapters instead of {demanded}", found.len());
     if found.is_empty() {
         println!("skipped: {test} needs a Vulkan driver");
@@ -58,7 +58,7 @@ fn devices_compute_what_the_simulator_computes() {
             }
         }
         println!("{}: {compared} fragments compared, 0 differences", opened.device.name.name);
-        assert!(compared > 500_000, "{compared}");
+        assert!(compared > 200_000, "{compared}");
     }
 }
 

@@ -91,10 +91,13 @@ fn words_are_where_the_simulator_has_them() {
                     None => assert_eq!(words, 0, "{what}, and none declared"),
                     Some(_) if words == 0 => {}
                     Some((size, _)) if binding < 2 => assert_eq!(size, words, "{what}"),
-                    Some((size, true)) => {
-                        assert!(size <= words && (words - size) % 4 == 0, "{what}");
-                    }
                     // Arrays that would be empty have one element.
+                    Some((size, true)) if shape.config.generated == 0 => {
+                        assert!(size < words + 64, "{what}, {size}");
+                    }
+                    Some((size, true)) => {
+                        assert!(size <= words && (words - size) % 4 == 0, "{what}, {size}");
+                    }
                     Some((size, false)) => assert!(size == words || words < 64, "{what}, {size}"),
                 }
             }
@@ -156,8 +159,8 @@ fn contracts_say_how_wgsl_expresses_what_has_a_twin() {
     for twin in TWINS {
         let contract = contract(twin.method).expect("a method");
         assert!(contract.wgsl.is_some(), "{}", twin.method);
-        let said = contract.wgsl.unwrap_or_default();
-        assert_eq!(twin.locks(), said.contains("a lock is outside"), "{}: {said}", twin.method);
+        let publishes = twin.method == "kb-ll";
+        assert_eq!(contract.is_within_wgsl(), !(twin.locks() || publishes), "{}", twin.method);
     }
     assert!(twin("exact").is_none());
 }

@@ -1,0 +1,165 @@
+//! `fragloom adapters`, `crosscheck` and `bench --gpu`: rows, bad input, and a machine without any driver. What devices
+//! compute is in `gpu/`.
+
+#![cfg(feature = "gpu")]
+
+#[path = "support/command.rs"]
+mod support;
+
+use std::fs;
+
+use serde_json::Value;
+use support::{Dir, Run};
+
+fn rows(run: &Run) -> Vec<Value> {
+    let Value::Array(rows) = run.json() else { panic!("a list: {run:?}") };
+    rows
+}
+
+/// The adapters there are; or none, and a line that says so, unless they are demanded.
+fn adapters(dir: &Dir, test: &str) -> Vec<Value> {
+    let run = dir.run("adapters --json");
+    if run.code == 2 {
+        assert!(std::env::var_os("FRAGLOOM_ADAPTERS").is_none(), "{run:?}");
+        run.is_error(&["--adapter:", "install"]);
+        println!("skipped: {test} needs a Vulkan driver");
+        return Vec::new();
+    }
+    assert_eq!(run.code, 0, "{run:?}");
+    rows(&run)
+}
+
+#[test]
+fn commands_have_help() {
+    let dir = Dir::new();
+    for command in ["crosscheck", "adapters", "bench"] {
+        let help = dir.run(&format!("{command} --help"));
+        assert_eq!((help.code, help.stderr.as_str()), (0, ""), "{command}");
+        assert!(help.stdout.contains("--json"), "{command}");
+    }
+}
+
+#[test]
+fn bad_input_is_one_line() {
+    let dir = Dir::new();
+    for (line, words) in [
+        ("crosscheck -m exact", &["-m:", "exact", "kplus-array"][..]),
+        ("crosscheck -m kplus-aray", &["-m:", "kplus-aray", "kplus-array"]),
+        ("crosscheck -k 0", &["-k:", "at least 1"]),
+        ("crosscheck -m kb -k 65", &["-k:", "kb", "at most"]),
+        ("crosscheck --size 0x4", &["--size:", "16384"]),
+        ("crosscheck --size 4x4 --quick", &["--size", "--quick"]),
+        ("crosscheck --path both", &["--path", "raster", "compute"]),
+        ("crosscheck --order sorted", &["--order", "shuffled"]),
+        ("crosscheck --litmus --repeats 0", &["--repeats:", "at least 1"]),
+        ("crosscheck missing.obj", &["missing.obj"]),
+        ("bench --repeats 0", &["--repeats:", "1 to 1000"]),
+        ("bench -m nonsense", &["-m:", "nonsense"]),
+        ("bench --adapter any", &["--gpu"]),
+        ("bench missing.obj", &["missing.obj"]),
+    ] {
+        dir.run(line).is_error(words);
+    }
+    let broken = "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n";
+    fs::write(dir.path("broken.obj"), broken).unwrap();
+    dir.run("crosscheck broken.obj").is_error(&["broken.obj"]);
+    assert_eq!(dir.names(), ["broken.obj"]);
+    assert_eq!(dir.read("broken.obj"), broken.as_bytes());
+}
+
+/// Vulkan's loader is told of no driver.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_it_says_what_to_install() {
+    let dir = Dir::new();
+    for line in ["crosscheck", "crosscheck --litmus", "adapters", "bench --gpu"] {
+        let mut command = dir.command();
+        command.args(line.split(' '));
+        for name in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+            command.env(name, "/nonexistent/driver.json");
+        }
+        command.env_remove("VK_ADD_DRIVER_FILES");
+        let output = command.output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(2), &b""[..]), "{line}");
+        let last = stderr.lines().last().unwrap_or_default();
+        assert!(last.starts_with("error: --adapter:"), "{line}: {stderr}");
+        assert!(last.contains("install") && last.contains("mesa-vulkan-drivers"), "{stderr}");
+    }
+}
+
+#[test]
+fn rows_name_their_adapters() {
+    let dir = Dir::new();
+    let all = adapters(&dir, "the cross-check's rows");
+    if all.is_empty() {
+        return;
+    }
+    dir.run("crosscheck --adapter nonsense").is_error(&["--adapter:", "nonsense", "install"]);
+    let line = "crosscheck cubes --size 40x24 -m ab-ll,kb-ll";
+    let run = dir.run(&format!("{line} --json"));
+    assert_eq!(run.code, 0, "{run:?}");
+    let found = rows(&run);
+    assert_eq!(found.len(), all.len() * 2 * 2);
+    for row in &found {
+        assert!(all.iter().any(|adapter| adapter["name"] == row["adapter"]), "{row}");
+        assert_eq!(row["status"], "equal", "{row}");
+        assert!(row["fragments"].as_u64().unwrap() > 500, "{row}");
+        let said = row["reason"].as_str().unwrap();
+        assert_eq!(said.contains("not guaranteed by WGSL"), row["method"] == "kb-ll", "{row}");
+        for field in ["driver", "scene", "size", "path", "sub_pixel_bits", "repeated"] {
+            assert!(row.get(field).is_some(), "{field} of {row}");
+        }
+    }
+    let table = dir.run(&format!("{line} --path compute --order submission"));
+    assert_eq!(table.code, 0, "{table:?}");
+    for adapter in &all {
+        let name = adapter["name"].as_str().unwrap();
+        assert!(table.stdout.contains(name), "{name} in {}", table.stdout);
+    }
+    assert!(table.stdout.contains("compute") && !table.stdout.contains("raster"), "{table:?}");
+}
+
+/// A k that no device has room for.
+#[test]
+fn unsupported_is_no_pass() {
+    let dir = Dir::new();
+    if adapters(&dir, "what devices cannot do").is_empty() {
+        return;
+    }
+    let line = "crosscheck cubes --size 16x16 -m kplus-array -k 100000000";
+    let run = dir.run(&format!("{line} --json"));
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.stderr.contains("violation: nothing was compared"), "{run:?}");
+    for row in rows(&run) {
+        assert_eq!(
+            (&row["status"], &row["fragments"]),
+            (&"unsupported".into(), &0.into()),
+            "{row}"
+        );
+        assert!(row["reason"].as_str().unwrap().contains("no room"), "{row}");
+    }
+    assert!(dir.run(line).stdout.contains("nothing compared"));
+}
+
+#[test]
+fn devices_are_timed_beside_the_simulator() {
+    let dir = Dir::new();
+    let all = adapters(&dir, "bench --gpu");
+    if all.is_empty() {
+        return;
+    }
+    let run = dir.run("bench layers:count=4 --size 64x64 --repeats 2 -m ab-ll --gpu --json");
+    assert_eq!(run.code, 0, "{run:?}");
+    let found = rows(&run);
+    for adapter in &all {
+        let row = found.iter().find(|row| row["adapter"] == adapter["name"]).unwrap();
+        let [ratio, low, high] = [&row["ratio"], &row["ratio_spread"][0], &row["ratio_spread"][1]]
+            .map(|v| {
+                let Some(value) = v.as_f64() else { panic!("a number in {row}") };
+                value
+            });
+        assert!(0.0 < low && low <= ratio && ratio <= high, "{row}");
+        assert_eq!(row["fragments"], 4 * 64 * 64, "{row}");
+    }
+}
