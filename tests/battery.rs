@@ -6,13 +6,15 @@
 //! * with k = 1 it is a Z-buffer; with k >= the depth complexity an A-buffer
 //! * its storage is what its formula says
 //! * what it names as deterministic is
+//! * where only equal depths may be confused, depths are exact and records are fragments' under every policy
 //! * nothing it keeps was invented, and overflow is counted
 
 mod support;
 
+use fragloom::fragment::depth_of;
 use fragloom::memory::Layout;
 use fragloom::raster::Grid;
-use fragloom::render::{Exec, Lists, Options, Policy, Report};
+use fragloom::render::{Data, Exec, Lists, Options, Policy, Report};
 use fragloom::scene::Scene;
 use fragloom::scheme::catalogue::{self, Visitor};
 use fragloom::scheme::contract::{Contract, Demand, Form, Keeps};
@@ -449,6 +451,43 @@ fn what_does_not_fit_is_refused_before_it_is_drawn() {
     assert!(refused.contains("for storage on 'tile'"), "{refused}");
 }
 
+/// Depths as they must be, and nothing but what was generated.
+fn has_right_depths(lists: &Lists, expected: &Lists, all: &Lists) -> bool {
+    let depths = |keys: &[u64]| keys.iter().copied().map(depth_of).collect::<Vec<_>>();
+    (0..lists.height).all(|y| {
+        (0..lists.width).all(|x| {
+            let kept = lists.pixel(x, y);
+            let generated = all.pixel(x, y);
+            depths(kept) == depths(expected.pixel(x, y))
+                && kept.iter().all(|key| generated.contains(key))
+        })
+    })
+}
+
+#[test]
+fn only_equal_depths_are_confused_where_contracts_say_so() {
+    let ties = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
+    let (mut found, mut differ) = (0, 0);
+    for scene in small_scenes().into_iter().chain([scene(ties, [120, 240])]) {
+        for (contract, k) in cases().into_iter().filter(|(c, _)| c.right_depths) {
+            let data = Data::Primitive;
+            let format = contract.depth_format;
+            let all = Options { depth_format: format, data, ..options("exact", None) };
+            let all = draw(&scene, &all).lists;
+            let expected = all.cut(|keys| contract.keep(keys, k));
+            for exec in executors() {
+                let options = Options { data, ..with(contract.name, k, exec.clone()) };
+                let lists = draw(&scene, &options).lists;
+                let right = has_right_depths(&lists, &expected, &all);
+                assert!(right, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+                found += 1;
+                differ += u32::from(lists != expected);
+            }
+        }
+    }
+    assert!(found > 0 && differ > 0, "{found} runs, {differ} with ties confused");
+}
+
 /// Negative controls: each of the battery's judgements can say no. (`tests/mutations.rs` has the lists'.)
 #[test]
 fn the_battery_can_fail() {
@@ -463,6 +502,11 @@ fn the_battery_can_fail() {
     let hashes = racy.each_ref().map(|r| &r.fragments_hash);
     assert_ne!(hashes[0], hashes[1], "were it named deterministic, it would be found");
     assert!(!racy[0].deterministic.contains(&"fragments_hash".to_owned()));
+
+    let all = exact(&scene, catalogue::contract("kb").expect("known"));
+    let cut = all.cut(|keys| keys.truncate(3));
+    let torn = draw(&scene, &with("kb", Some(3), sim(Policy::RoundRobin, 0))).lists;
+    assert!(has_right_depths(&cut, &cut, &all) && !has_right_depths(&torn, &cut, &all));
 
     let words = catalogue::visit("kplus-array", Storage { k: 8 }).expect("in the catalogue");
     let contract = catalogue::contract("kplus-array").expect("known");

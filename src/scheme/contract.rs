@@ -45,6 +45,9 @@ pub struct Contract {
     /// Whether it may depend on how concurrent invocations interleave, even for a given order of arrival: fragments
     /// may be lost, doubled or torn, and the run is judged against the generated multiset.
     pub racy: bool,
+    /// Whether, racy or not, the depths that it keeps are the exact ones, and every record is a fragment's: only which
+    /// of several fragments of equal depth stands for them may vary.
+    pub right_depths: bool,
     /// Whether its invocations cannot say what became of their fragments: the accounting compares lists instead.
     pub judged: bool,
     /// What happens to fragments of equal depth.
@@ -263,6 +266,7 @@ impl Contract {
         exact_when: "always",
         arrival_dependent: false,
         racy: false,
+        right_depths: false,
         judged: false,
         page: 1,
         ties: "canonical: the smaller data word is nearer",
@@ -330,7 +334,8 @@ impl Contract {
         title: &'static str,
         exact_when: &'static str,
     ) -> Self {
-        Self { name, title, exact_when, form: Form::Mutation, racy: true, ..self }
+        let (form, racy, right_depths) = (Form::Mutation, true, false);
+        Self { name, title, exact_when, form, racy, right_depths, ..self }
     }
 
     /// The name without `@variant`.

@@ -60,6 +60,7 @@ const CONTRACT: Contract = Contract {
     exact_when: "no two fragments of a pixel have the same 24-bit depth",
     arrival_dependent: true,
     racy: true,
+    right_depths: true,
     judged: true,
     ties: "one of equal depth stands for all: whichever writes last",
     overflow: "the farthest is evicted",
