@@ -48,6 +48,7 @@ fn bad_input_is_one_line() {
         ("crosscheck -k 0", &["-k:", "at least 1"]),
         ("crosscheck -m kb -k 65", &["-k:", "kb", "at most"]),
         ("crosscheck --size 0x4", &["--size:", "16384"]),
+        ("crosscheck --size 4x4,4", &["--size:", "\"4\"", "640x480"]),
         ("crosscheck --size 4x4 --quick", &["--size", "--quick"]),
         ("crosscheck --path both", &["--path", "raster", "compute"]),
         ("crosscheck --order sorted", &["--order", "shuffled"]),
@@ -111,6 +112,10 @@ fn rows_name_their_adapters() {
             assert!(row.get(field).is_some(), "{field} of {row}");
         }
     }
+    let two = dir.run("crosscheck cubes --size 40x24,24x40 -m ab-ll --path compute --json");
+    let sizes: Vec<Value> = rows(&two).iter().map(|row| row["size"].clone()).collect();
+    let [wide, high] = [serde_json::json!([40, 24]), serde_json::json!([24, 40])];
+    assert_eq!(sizes, [vec![wide; all.len()], vec![high; all.len()]].concat());
     let table = dir.run(&format!("{line} --path compute --order submission"));
     assert_eq!(table.code, 0, "{table:?}");
     for adapter in &all {

@@ -1,18 +1,21 @@
 //! `fragloom crosscheck`: the same schemes on wgpu, against what must be there.
 
+mod litmus;
+
+use std::collections::BTreeMap;
+
 use super::{Verdict, say, wait};
 use crate::error::{Error, Result};
 use crate::gpu::band::Picture;
-use crate::gpu::conform::{self, Conformance};
+use crate::gpu::compare::Differences;
 use crate::gpu::crosscheck::{self, Options, Path, Row, Status};
-use crate::gpu::device::{self, Device};
+use crate::gpu::device::Device;
 use crate::gpu::failure::Failure;
-use crate::gpu::stress::{self, Stressed};
-use crate::gpu::{open, raster};
+use crate::gpu::open;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::catalogue;
+use crate::scheme::{Contract, catalogue};
 
 /// Scenes that are compared where none is named.
 const SCENES: [&str; 9] = [
@@ -60,13 +63,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
-    /// Image size in pixels, each edge 1 to 16384 [default: the scene's, else 1024x1024]
-    #[arg(long, value_name = "WxH")]
-    size: Option<String>,
+    /// Image sizes in pixels, separated by commas, each edge 1 to 16384 [default: the scene's, else 1024x1024]
+    #[arg(long = "size", value_name = "WxH,...", value_delimiter = ',')]
+    sizes: Vec<String>,
 
     /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's; then
     /// thousands of copies at once, their outcomes counted against all that interleavings can give
-    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "size", "quick", "k"])]
+    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k"])]
     litmus: bool,
 
     /// With `--litmus`, how often each litmus pixel's copies are run, in each of three orders
@@ -80,7 +83,7 @@ pub(super) struct Args {
     repeats: u64,
 
     /// Small pictures: 157x101
-    #[arg(long, conflicts_with = "size")]
+    #[arg(long, conflicts_with = "sizes")]
     quick: bool,
 
     #[command(flatten)]
@@ -106,18 +109,20 @@ enum Order {
 pub(super) fn run(args: &Args) -> Result<Verdict> {
     let options = options(args)?;
     if args.litmus {
-        return litmus(args, &options);
+        return litmus::run(args, &options);
     }
-    let quick = args.quick.then_some(QUICK);
-    let size = args.size.as_deref().map(super::values::size).transpose()?.or(quick);
-    let overrides = Overrides { size, ..Overrides::default() };
+    let sizes = sizes(args)?;
     let named: Vec<String> = match args.scenes.as_slice() {
         [] => SCENES.map(str::to_owned).to_vec(),
         named => named.to_vec(),
     };
-    let load = |name: &String| scene::load(name, &overrides);
+    let load = |name: &String, &size: &Option<[u32; 2]>| {
+        scene::load(name, &Overrides { size, ..Overrides::default() })
+    };
+    // All at once, so that what cannot be read is said before anything is drawn.
     let scenes: Vec<Scene> = wait::during(args.output.quiet, "loading", || {
-        named.iter().map(load).collect::<Result<_>>()
+        let all = named.iter().flat_map(|name| sizes.iter().map(move |size| (name, size)));
+        all.map(|(name, size)| load(name, size)).collect::<Result<_>>()
     })?;
     let devices = devices(args.adapter.as_deref())?;
     let adapters: Vec<String> = devices.iter().map(|one| one.device.name.name.clone()).collect();
@@ -138,12 +143,23 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
         ));
     }
     // What is unsupported is no pass.
-    let compared = rows.iter().any(|row| matches!(row.status, Status::Equal | Status::Different));
+    let compared = rows.iter().any(Row::is_compared);
     if !compared {
         say::violation("nothing was compared");
     }
     let found = !compared || rows.iter().any(|row| row.is_finding);
     Ok(if found { Verdict::Found } else { Verdict::Clean })
+}
+
+/// The sizes to draw every scene in; its own where none is given.
+fn sizes(args: &Args) -> Result<Vec<Option<[u32; 2]>>> {
+    if args.quick {
+        return Ok(vec![Some(QUICK)]);
+    }
+    if args.sizes.is_empty() {
+        return Ok(vec![None]);
+    }
+    args.sizes.iter().map(|text| super::values::size(text).map(Some)).collect()
 }
 
 /// The devices that take part; who cannot is named in a warning.
@@ -180,87 +196,6 @@ fn options(args: &Args) -> Result<Options> {
         }
     }
     Ok(options)
-}
-
-/// What `--litmus` prints.
-#[derive(Debug, Default, serde::Serialize)]
-struct Litmus {
-    conformance: Vec<Conformance>,
-    stress: Vec<Stressed>,
-}
-
-/// Litmus pixels on every device.
-fn litmus(args: &Args, options: &Options) -> Result<Verdict> {
-    if args.repeats == 0 {
-        return Err(Error::new("--repeats", "is 0, but must be at least 1"));
-    }
-    let devices = devices(args.adapter.as_deref())?;
-    let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
-    let mut all = Litmus::default();
-    let mut failures = Vec::new();
-    for opened in &devices {
-        let device = &opened.device;
-        for method in &options.methods {
-            let twin = crosscheck::find(method)?;
-            let message = format!("litmus pixels of {method} on {}", device.name.name);
-            let both = wait::during(args.output.quiet, &message, || {
-                let conformance = conform::conform(device, twin, conform::Extent::default())?;
-                Ok((conformance, stress::stress(device, twin, extent)?))
-            });
-            match both {
-                Ok((conformance, stressed)) => {
-                    all.conformance.push(conformance);
-                    all.stress.push(stressed);
-                }
-                Err(failure) => {
-                    let failure: Failure = failure;
-                    failures.push(format!("{}: {method}: {failure}", device.name.name));
-                }
-            }
-        }
-    }
-    let text = if args.output.json { json::document(&all)? } else { litmus_table(&all) };
-    say::result(&text)?;
-    let differ = all.conformance.iter().filter_map(|row| {
-        let difference = row.difference.as_ref()?;
-        Some(format!("{}: {}: {difference}", row.adapter, row.method))
-    });
-    // A method that races on plain words may do anything, in WGSL as elsewhere.
-    let races = |name: &str| catalogue::contract(name).is_ok_and(|contract| contract.racy);
-    let outside = all.stress.iter().filter(|row| row.outside > 0 && !races(&row.method));
-    let outside = outside.map(|row| format!("{}: {}: {}", row.adapter, row.method, row.reason));
-    let found: Vec<String> = failures.into_iter().chain(differ).chain(outside).collect();
-    found.iter().for_each(|line| say::violation(line));
-    Ok(if found.is_empty() { Verdict::Clean } else { Verdict::Found })
-}
-
-fn litmus_table(all: &Litmus) -> String {
-    use Align::{Left, Right};
-    let heading =
-        ["adapter", "method", "litmus", "orders", "steps", "words", "device and simulator"];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(all.conformance.iter().map(|row| {
-        let found = match (&row.unsupported, &row.difference) {
-            (Some(why), _) => format!("unsupported: {why}"),
-            (_, Some(_)) => "DIFFER".to_owned(),
-            _ => "equal after every step".to_owned(),
-        };
-        let counts = [row.instances, row.orders, row.steps, row.words].map(|n| n.to_string());
-        [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![found]].concat()
-    }));
-    let mut text = "One invocation at a time\n".to_owned();
-    text += &columns(&[Left, Left, Right, Right, Right, Right, Left], &lines);
-    let heading =
-        ["adapter", "method", "litmus", "runs", "possible", "seen", "relaxed", "outside", "status"];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(all.stress.iter().map(|row| {
-        let counts = [row.instances, row.runs, row.possible, row.seen, row.relaxed, row.outside];
-        let counts = counts.map(|n| n.to_string());
-        let status = status(row.status, &row.reason);
-        [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![status]].concat()
-    }));
-    text += "\nMany copies at once: outcomes that interleavings can give, and outcomes seen\n";
-    text + &columns(&[Left, Left, Right, Right, Right, Right, Right, Right, Left], &lines)
 }
 
 fn status(status: Status, reason: &str) -> String {
@@ -327,53 +262,60 @@ fn without_raster(
     options.methods.iter().map(row).collect()
 }
 
-/// What was compared on each adapter, in all.
+/// What was compared, in all: by adapter and path, and whether the result may depend on the schedule.
 fn summary(rows: &[Row]) -> String {
     use Align::{Left, Right};
     let heading = [
         "adapter",
         "driver",
-        "sub-pixel bits",
+        "bits",
+        "path",
+        "methods",
         "equal",
         "different",
         "unsupported",
         "failed",
         "fragments",
-        "differences",
+        "coverage",
+        "depth",
+        "lists",
+        "pixels",
+        "not allowed",
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    let mut adapters: Vec<(&str, &str, u32)> = rows
-        .iter()
-        .map(|row| (row.adapter.as_str(), row.driver.as_str(), row.sub_pixel_bits))
-        .collect();
-    adapters.sort_unstable();
-    adapters.dedup();
-    for adapter in adapters {
-        let (name, driver, bits) = adapter;
-        let own: Vec<&Row> = rows
-            .iter()
-            .filter(|row| {
-                (row.adapter.as_str(), row.driver.as_str(), row.sub_pixel_bits) == adapter
-            })
-            .collect();
-        let fragments: u64 = own.iter().map(|row| row.differences.fragments).sum();
+    let group = |row: &Row| {
+        let fixed = catalogue::contract(&row.method).is_ok_and(Contract::order_independent);
+        (row.adapter.clone(), row.driver.clone(), row.sub_pixel_bits, !fixed, row.path)
+    };
+    let mut groups: BTreeMap<_, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        groups.entry(group(row)).or_default().push(row);
+    }
+    for ((adapter, driver, bits, varies, path), own) in groups {
+        let mut sum = Differences::default();
+        own.iter().for_each(|row| sum.add(&row.differences));
         let with = |status| own.iter().filter(|row| row.status == status).count().to_string();
-        let findings = own.iter().filter(|row| row.is_finding).count();
-        let differences = if fragments == 0 {
-            "nothing compared".to_owned()
-        } else if findings == 0 {
-            "none that a contract does not allow".to_owned()
-        } else {
-            format!("{findings} rows with some that no contract allows")
-        };
-        let mut line = vec![name.to_owned(), driver.to_owned(), bits.to_string()];
+        let methods = if varies { "that may vary" } else { "with one result" };
+        let mut line =
+            vec![adapter, driver, bits.to_string(), path.to_string(), methods.to_owned()];
         line.extend(
             [Status::Equal, Status::Different, Status::Unsupported, Status::Failed].map(with),
         );
-        line.extend([fragments.to_string(), differences]);
+        let compared = own.iter().any(|row| row.is_compared());
+        let findings = own.iter().filter(|row| row.is_finding).count();
+        let counts = [
+            sum.fragments,
+            sum.coverage_differences,
+            sum.depth_differences,
+            sum.list_differences,
+            sum.pixel_differences,
+        ];
+        line.extend(counts.map(|n| n.to_string()));
+        line.push(if compared { findings.to_string() } else { "nothing compared".to_owned() });
         lines.push(line);
     }
-    let align = [Left, Left, Right, Right, Right, Right, Right, Right, Left];
+    let mut align = vec![Left, Left, Right, Left, Left];
+    align.resize(heading.len(), Right);
     format!("\n{}", columns(&align, &lines))
 }
 
@@ -425,75 +367,4 @@ fn lines(rows: &[Row], adapters: &[String]) -> String {
     }
     use Align::{Left, Right};
     columns(&[Left, Left, Left, Right, Left, Right, Right, Right, Right, Right, Left], &lines)
-}
-
-/// `fragloom adapters`: which devices there are.
-#[derive(Debug, clap::Args)]
-pub(super) struct AdapterArgs {
-    /// Print one JSON document instead of the table
-    #[arg(long)]
-    json: bool,
-}
-
-/// What an adapter has, as far as it matters here.
-#[derive(Debug, serde::Serialize)]
-struct AdapterRow {
-    #[serde(flatten)]
-    name: device::AdapterName,
-    /// Measured.
-    sub_pixel_bits: Option<u32>,
-    atomics64: bool,
-    largest_buffer: u64,
-    problem: Option<String>,
-}
-
-/// Print what adapters there are.
-///
-/// # Errors
-/// There is none.
-pub(super) fn adapters(args: &AdapterArgs) -> Result<Verdict> {
-    let found = device::adapters();
-    if found.is_empty() {
-        return Err(open::none(None));
-    }
-    let rows: Vec<AdapterRow> = found.iter().map(adapter).collect();
-    if args.json {
-        say::result(&json::document(&rows)?)?;
-        return Ok(Verdict::Clean);
-    }
-    let heading =
-        ["adapter", "driver", "backend", "kind", "sub-pixel bits", "64-bit atomics", "problem"];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|row| {
-        let bits = row.sub_pixel_bits.map_or("?".to_owned(), |bits| bits.to_string());
-        let atomics = if row.atomics64 { "yes" } else { "no" };
-        let device::AdapterName { name, driver, backend, kind } = row.name.clone();
-        let problem = row.problem.clone().unwrap_or_default();
-        vec![name, driver, backend, kind, bits, atomics.to_owned(), problem]
-    }));
-    use Align::{Left, Right};
-    say::result(&columns(&[Left, Left, Left, Left, Right, Left, Left], &lines))?;
-    Ok(Verdict::Clean)
-}
-
-fn adapter(adapter: &wgpu::Adapter) -> AdapterRow {
-    let measured: std::result::Result<(Device, u32), Failure> = Device::open(adapter)
-        .and_then(|device| raster::sub_pixel_bits(&device).map(|bits| (device, bits)));
-    let name = device::name(adapter);
-    match measured {
-        Ok((device, bits)) => AdapterRow {
-            name,
-            sub_pixel_bits: Some(bits),
-            atomics64: device.atomics64,
-            largest_buffer: device.largest(),
-            problem: None,
-        },
-        Err(failure) => AdapterRow {
-            name,
-            sub_pixel_bits: None,
-            atomics64: false,
-            largest_buffer: 0,
-            problem: Some(failure.to_string()),
-        },
-    }
 }

@@ -4,6 +4,8 @@
 //! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
 //! stdout, everything else to stderr, one line each.
 
+#[cfg(feature = "gpu")]
+mod adapters;
 mod bench;
 mod catalogue;
 mod check;
@@ -64,7 +66,7 @@ enum Command {
     Crosscheck(Box<crosscheck::Args>),
     /// List the GPUs and Vulkan drivers that there are.
     #[cfg(feature = "gpu")]
-    Adapters(crosscheck::AdapterArgs),
+    Adapters(adapters::Args),
     /// Compute the papers' tables and figures, ours beside theirs.
     Reproduce(reproduce::Args),
     /// List the papers' claims, as they are checked.
@@ -119,7 +121,7 @@ fn run(command: &Command) -> Result<Verdict> {
         #[cfg(feature = "gpu")]
         Command::Crosscheck(args) => crosscheck::run(args),
         #[cfg(feature = "gpu")]
-        Command::Adapters(args) => crosscheck::adapters(args),
+        Command::Adapters(args) => adapters::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Claims(args) => claims::run(args),
         Command::Methods(args) => methods::run(args),

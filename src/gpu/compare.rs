@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::band::Expected;
 use crate::exec::account::Judgement;
-use crate::fragment::data_of;
+use crate::fragment::{data_of, depth_of};
 use crate::scheme::contract::{Contract, Keeps};
 
 /// What came back from a device: as many records of every pixel as were expected, and how many there were.
@@ -119,8 +119,13 @@ fn judge(contract: &Contract, k: Option<u32>, generated: &[u64], found: &[u64]) 
 }
 
 /// Whether the contract allows a pixel that is not as the exact one: some kept set of as many real fragments where that
-/// depends on arrival, and whatever a race may do to one that races.
+/// depends on arrival, other fragments of the same depths where those are told from each other only by depth, and
+/// whatever a race may do to one that races.
 fn is_allowed(contract: &Contract, judged: &Judgement, right: &[u64], found: &[u64]) -> bool {
+    if contract.right_depths {
+        let depths = |keys: &[u64]| keys.iter().copied().map(depth_of).collect::<Vec<_>>();
+        return judged.torn == 0 && depths(found) == depths(right);
+    }
     if contract.racy {
         return found.len() <= right.len().max(1);
     }

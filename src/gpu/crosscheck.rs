@@ -79,7 +79,7 @@ pub struct Row {
     pub differences: Differences,
     /// Fragments on the raster path that went the compute way.
     pub by_compute: u64,
-    /// Invocations on the compute path that gave up waiting for a lock, and were run again.
+    /// Invocations that gave up waiting for a lock, and were run again, the compute way.
     pub repeated: u64,
     /// Equal, different, unsupported or failed.
     pub status: Status,
@@ -88,6 +88,14 @@ pub struct Row {
     /// A difference that the method's contract does not allow, or a failure.
     #[serde(skip)]
     pub is_finding: bool,
+}
+
+impl Row {
+    /// There was something to compare.
+    #[must_use]
+    pub fn is_compared(&self) -> bool {
+        matches!(self.status, Status::Equal | Status::Different)
+    }
 }
 
 /// What is to be compared.
@@ -189,13 +197,16 @@ impl Run<'_> {
                 self.by_compute += by_compute;
                 self.repeated += repeated;
             }
-            Err(Failure::TooLarge(why)) => match band.halves() {
-                Some(halves) => halves.iter().for_each(|half| self.band(half)),
-                None => {
-                    let why = format!("one row of tiles has no room: {why}");
-                    self.failure = Some(Failure::Unsupported(why));
+            Err(failure @ (Failure::TooLarge(_) | Failure::OutOfMemory(_))) => {
+                match (band.halves(), failure) {
+                    (Some(halves), _) => halves.iter().for_each(|half| self.band(half)),
+                    (None, Failure::TooLarge(why)) => {
+                        let why = format!("one row of tiles has no room: {why}");
+                        self.failure = Some(Failure::Unsupported(why));
+                    }
+                    (None, failure) => self.failure = Some(failure),
                 }
-            },
+            }
             Err(failure) => self.failure = Some(failure),
         }
     }
@@ -262,7 +273,13 @@ impl Run<'_> {
                 return (Status::Different, true, "not allowed by the contract".to_owned());
             }
             let [lost, duplicated, torn] = [sum.lost, sum.duplicated, sum.torn];
-            let why = if self.contract.racy { "it races" } else { "it depends on arrival" };
+            let why = if self.contract.right_depths {
+                "of equal depths any may stand"
+            } else if self.contract.racy {
+                "it races"
+            } else {
+                "it depends on arrival"
+            };
             let reason =
                 format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
             return (Status::Different, false, reason);

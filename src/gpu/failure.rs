@@ -15,6 +15,9 @@ pub enum Failure {
     /// It did not come back in time, and is not used any more.
     #[error("no answer within {0} seconds")]
     TimedOut(u64),
+    /// So many invocations gave up waiting for a lock, however often they were run.
+    #[error("{0} invocations waited for a lock, and none would come")]
+    Stuck(u64),
     /// It is gone.
     #[error("device lost: {0}")]
     Lost(String),

@@ -24,7 +24,7 @@ const ROW: u64 = 32_768;
 /// Fragments of one submission on the compute path.
 pub const CHUNK: usize = 1 << 20;
 
-/// How often an invocation is run again that gave up waiting for a lock.
+/// How often an invocation is run that gives up waiting.
 const PATIENCE: u32 = 1_000;
 
 /// What an invocation says that gave up (`shared/fragment.wgsl`).
@@ -230,7 +230,7 @@ pub struct Program<'d> {
     _table: Option<wgpu::Buffer>,
     pub(super) words_group: Group,
     module: wgpu::ShaderModule,
-    /// Invocations that gave up waiting for a lock, and were run again.
+    /// Invocations that gave up waiting, and were run again.
     again: Cell<u64>,
     /// What was compiled, by entry point and overrides.
     passes: RefCell<BTreeMap<String, Pass>>,
@@ -301,7 +301,7 @@ impl<'d> Program<'d> {
         })
     }
 
-    /// Invocations so far that gave up waiting for a lock, and were run again. The raster path has no way to tell.
+    /// Invocations so far that gave up waiting, for a lock or for a compare-exchange, and were run again.
     #[must_use]
     pub fn again(&self) -> u64 {
         self.again.get()
@@ -369,6 +369,13 @@ impl<'d> Program<'d> {
         compute.dispatch_workgroups(across as u32, down as u32, 1);
     }
 
+    /// Give every byte of every word this value, before the clear pass.
+    pub fn fill(&self, byte: u8) {
+        for (_, buffer) in &self.words {
+            self.device.queue.write_buffer(buffer, 0, &vec![byte; buffer.size() as usize]);
+        }
+    }
+
     /// The clear pass.
     ///
     /// # Errors
@@ -423,40 +430,47 @@ impl<'d> Program<'d> {
         self.pass("frame_pass", None, &overrides)
     }
 
-    /// A geometry pass on the compute path. Who gives up waiting for a lock has stored nothing, and is run again.
+    /// A geometry pass on the compute path. Who gives up waiting has stored nothing, and is run again.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Whatever the device says; or somebody waits for ever.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
-        let room = 16 * fragments.len().min(CHUNK) as u64;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let buffer = self.device.buffer("fragments", room, usage)?;
-        for chunk in fragments.chunks(CHUNK) {
-            let mut words: Vec<[u32; 4]> = chunk.iter().map(words_of).collect();
-            self.compute_chunk(function, &buffer, &words)?;
-            for _ in 0..PATIENCE {
-                if !(self.twin.locks() && function == "store") {
-                    break;
-                }
-                let found = self.device.read(&buffer, 16 * words.len() as u64)?;
-                words = bytemuck::pod_collect_to_vec(&found);
-                words.retain(|fragment| fragment[3] == STUCK);
-                if words.is_empty() {
-                    break;
-                }
-                self.again.set(self.again.get() + words.len() as u64);
-                self.compute_chunk(function, &buffer, &words)?;
-            }
-        }
-        Ok(())
+        fragments.chunks(CHUNK).try_for_each(|chunk| {
+            self.invoke(function, chunk.iter().map(words_of).collect())?;
+            Ok(())
+        })
     }
 
-    fn compute_chunk(
-        &self,
-        function: &str,
-        buffer: &wgpu::Buffer,
-        words: &[[u32; 4]],
-    ) -> Result<()> {
+    /// Invocations of a geometry pass, at most [`CHUNK`].
+    fn invoke(&self, function: &str, mut words: Vec<[u32; 4]>) -> Result<()> {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let buffer = self.device.buffer("fragments", 16 * words.len() as u64, usage)?;
+        for _ in 0..PATIENCE {
+            self.invoke_once(function, &buffer, &words)?;
+            if !(self.twin.waits() && function == "store") {
+                return Ok(());
+            }
+            let found = self.device.read(&buffer, 16 * words.len() as u64)?;
+            words = bytemuck::pod_collect_to_vec(&found);
+            words.retain(|fragment| fragment[3] == STUCK);
+            if words.is_empty() {
+                return Ok(());
+            }
+            self.again.set(self.again.get() + words.len() as u64);
+        }
+        Err(Failure::Stuck(words.len() as u64))
+    }
+
+    /// Run again who gave up waiting on the raster path.
+    ///
+    /// # Errors
+    /// As [`Self::compute`].
+    pub(super) fn repeat(&self, words: Vec<[u32; 4]>) -> Result<()> {
+        self.again.set(self.again.get() + words.len() as u64);
+        self.invoke("store", words)
+    }
+
+    fn invoke_once(&self, function: &str, buffer: &wgpu::Buffer, words: &[[u32; 4]]) -> Result<()> {
         self.device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words));
         let entry = format!("{function}_pass");
         let (group, pass) = self.fragments_group(buffer, 0, 16 * words.len() as u64, &entry)?;

@@ -13,7 +13,7 @@ use wgpu::BufferUsages;
 use super::band::Band;
 use super::device::Device;
 use super::failure::{Failure, Result};
-use super::program::Program;
+use super::program::{Bound, Group, Program, WRITABLE, group};
 use super::source::Path;
 use crate::fragment::Fragment;
 use crate::raster::clip::{Polygon, Snapped, UNITS, doubled_area};
@@ -24,6 +24,9 @@ const VIEWPORT: i32 = 8_192;
 
 /// Fragments of one submission, about.
 const CHUNK: u64 = 1 << 22;
+
+/// Bytes for those that give up waiting in one submission: 65,535 fragments.
+const GIVEN_UP: u64 = 1 << 20;
 
 /// One instance, as `pass/raster.wgsl` has it.
 type Instance = [u32; 15];
@@ -109,8 +112,12 @@ pub struct Raster<'a, 'd> {
     band: &'a Band<'d>,
     triangles: &'a Triangles,
     module: wgpu::ShaderModule,
-    buffer: wgpu::Buffer,
+    /// Instances of one submission each, and how many.
+    buffers: Vec<(wgpu::Buffer, u32)>,
     target: wgpu::TextureView,
+    /// Who gave up waiting: how many, then as many fragments as there is room for.
+    given_up: wgpu::Buffer,
+    given_up_group: Group,
     /// What was compiled, by function.
     pipelines: RefCell<BTreeMap<String, wgpu::RenderPipeline>>,
 }
@@ -136,11 +143,39 @@ impl<'a, 'd> Raster<'a, 'd> {
             .with("BAND_TOP", band.top().into());
         let text = program.twin.module(&constants, Path::Raster)?;
         let module = device.module(program.twin.method, &text)?;
-        let bytes = bytemuck::cast_slice(&triangles.instances);
-        let buffer = device.filled("triangles", bytes, BufferUsages::VERTEX)?;
+        let most = (device.largest() / size_of::<Instance>() as u64).max(1);
+        let mut buffers = Vec::new();
+        for chunk in &triangles.chunks {
+            let instances = &triangles.instances[chunk.start as usize..chunk.end as usize];
+            for part in instances.chunks(most.min(u32::MAX.into()) as usize) {
+                let bytes = bytemuck::cast_slice(part);
+                let buffer = device.filled("triangles", bytes, BufferUsages::VERTEX)?;
+                buffers.push((buffer, part.len() as u32));
+            }
+        }
         let target = target(device, band.grid.width, band.grid.height)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let given_up = device.buffer("given up", GIVEN_UP.min(device.largest()), usage)?;
+        let bound = Bound {
+            binding: 0,
+            buffer: &given_up,
+            part: None,
+            kind: WRITABLE,
+            stages: wgpu::ShaderStages::FRAGMENT,
+        };
+        let given_up_group = group(device, &[bound])?;
         let pipelines = RefCell::default();
-        Ok(Self { program, band, triangles, module, buffer, target, pipelines })
+        Ok(Self {
+            program,
+            band,
+            triangles,
+            module,
+            buffers,
+            target,
+            given_up,
+            given_up_group,
+            pipelines,
+        })
     }
 
     /// A geometry pass: the triangles, then what goes the compute way.
@@ -149,19 +184,40 @@ impl<'a, 'd> Raster<'a, 'd> {
     /// Whatever the device says.
     pub fn draw(&self, function: &str) -> Result<()> {
         let pipeline = self.pipeline(&format!("{function}_raster"))?;
-        for chunk in &self.triangles.chunks {
+        for (buffer, instances) in &self.buffers {
             let mut encoder = self.program.device.encoder();
-            self.record(&mut encoder, &pipeline, chunk.clone());
+            self.record(&mut encoder, &pipeline, buffer, *instances);
             self.program.device.submit(encoder)?;
+            if self.program.twin.waits() && function == "store" {
+                self.repeat()?;
+            }
         }
         self.program.compute(function, &self.triangles.rest)
+    }
+
+    /// Who gave up waiting in a submission is run again.
+    fn repeat(&self) -> Result<()> {
+        let device = self.program.device;
+        let count = device.read(&self.given_up, 4)?;
+        let count = u64::from(u32::from_le_bytes([count[0], count[1], count[2], count[3]]));
+        if count == 0 {
+            return Ok(());
+        }
+        let bytes = 4 + 16 * count;
+        if bytes > self.given_up.size() {
+            return Err(Failure::Stuck(count));
+        }
+        let found = device.read(&self.given_up, bytes)?;
+        device.queue.write_buffer(&self.given_up, 0, &[0; 4]);
+        self.program.repeat(bytemuck::pod_collect_to_vec(&found[4..]))
     }
 
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipeline: &wgpu::RenderPipeline,
-        instances: Range<u32>,
+        buffer: &wgpu::Buffer,
+        instances: u32,
     ) {
         let attachment = wgpu::RenderPassColorAttachment {
             view: &self.target,
@@ -183,8 +239,9 @@ impl<'a, 'd> Raster<'a, 'd> {
         pass.set_scissor_rect(0, 0, self.band.grid.width, self.band.grid.height);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.program.words_group.group, &[]);
-        pass.set_vertex_buffer(0, self.buffer.slice(..));
-        pass.draw(0..3, instances);
+        pass.set_bind_group(1, &self.given_up_group.group, &[]);
+        pass.set_vertex_buffer(0, buffer.slice(..));
+        pass.draw(0..3, 0..instances);
     }
 
     fn pipeline(&self, entry: &str) -> Result<wgpu::RenderPipeline> {
@@ -194,7 +251,10 @@ impl<'a, 'd> Raster<'a, 'd> {
         let device = self.program.device;
         let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
-            bind_group_layouts: &[Some(&self.program.words_group.layout)],
+            bind_group_layouts: &[
+                Some(&self.program.words_group.layout),
+                Some(&self.given_up_group.layout),
+            ],
             immediate_size: 0,
         });
         let attributes = wgpu::vertex_attr_array![
@@ -270,14 +330,14 @@ pub fn sub_pixel_bits(device: &Device) -> Result<u32> {
     const MOST: u32 = 12;
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let hits = device.buffer("hits", 4 * u64::from(MOST), usage)?;
-    let bound = super::program::Bound {
+    let bound = Bound {
         binding: 0,
         buffer: &hits,
         part: None,
-        kind: super::program::WRITABLE,
+        kind: WRITABLE,
         stages: wgpu::ShaderStages::FRAGMENT,
     };
-    let group = super::program::group(device, &[bound])?;
+    let group = group(device, &[bound])?;
     let module = device.module("probe", include_str!("wgsl/probe.wgsl"))?;
     let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("probe"),

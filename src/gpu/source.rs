@@ -106,6 +106,12 @@ impl Twin {
         self.text.contains("//# include shared/lock\n")
     }
 
+    /// Whether its invocations may give up waiting, for a lock or for a compare-exchange, with nothing stored.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.text.contains("STUCK")
+    }
+
     /// Whether it needs atomic operations on 64 bits, which WGSL has only as an extension of naga's.
     #[must_use]
     pub fn needs_atomics64(&self) -> bool {

@@ -2,14 +2,15 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use fragloom::gpu::band::Picture;
-use fragloom::gpu::compare::compare;
+use fragloom::gpu::band::{Expected, Lists, Picture};
+use fragloom::gpu::compare::{Downloaded, compare};
 use fragloom::gpu::conform::{self, conform};
 use fragloom::gpu::crosscheck::{self, Options, Path, Row, Status};
 use fragloom::gpu::device::{Device, adapters};
 use fragloom::gpu::failure::Failure;
 use fragloom::gpu::open::{Opened, devices};
 use fragloom::gpu::program::{Program, Shape, constants};
+use fragloom::gpu::raster::{Raster, Triangles};
 use fragloom::gpu::resolve::resolve;
 use fragloom::gpu::source::{TWINS, Twin, twin};
 use fragloom::gpu::stress::{self, stress};
@@ -62,21 +63,72 @@ fn devices_compute_what_the_simulator_computes() {
     }
 }
 
-/// Polygons that the near plane cut, and triangles far larger than the picture, both ways.
+/// Polygons that the near plane cut.
 #[test]
-fn clipped_and_huge_triangles_are_equal_too() {
+fn clipped_triangles_are_equal_too() {
     let _turn = turn();
     let mut scene = scene("hairball:strands=40", [71, 53]);
-    let text = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
     scene.camera.eye = glam::DVec3::new(0.2, 0.1, 0.3);
     scene.camera.near = 0.05;
-    let huge = super::support::scene(text, [33, 21]);
     for opened in all("clipping") {
-        for scene in [&scene, &huge] {
-            for row in crosscheck(&opened, scene, &methods(&["ab-ll"])) {
-                assert_eq!(row.status, Status::Equal, "{row:?}");
-                assert!(row.differences.fragments > 0);
-            }
+        for row in crosscheck(&opened, &scene, &methods(&["ab-ll"])) {
+            assert_eq!(row.status, Status::Equal, "{row:?}");
+            assert!(row.differences.fragments > 0);
+        }
+    }
+}
+
+/// Triangles far larger than the picture: one that the viewport of devices contains, and one that leaves even that.
+const HUGE: &str = "
+size = [64, 48]
+
+[[screen]]
+points = [[-20000.0, -9000.0, 0.9], [30000.0, -100.0, 0.2], [50.0, 30000.0, 0.5]]
+color = [0.8, 0.1, 0.1, 0.5]
+
+[[screen]]
+points = [[3.0, 1.5, 0.25], [60.0, 7.25, 0.5], [21.0, 47.0, 0.75]]
+color = [0.1, 0.1, 0.8, 0.5]
+
+[[screen]]
+points = [[-4000.0, 1.5, 0.25], [4050.0, 7.25, 0.5], [21.0, 4050.0, 0.75]]
+color = [0.1, 0.8, 0.1, 0.5]
+";
+
+#[test]
+fn what_leaves_the_viewport_goes_the_compute_way() {
+    let _turn = turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("huge.toml");
+    std::fs::write(&file, HUGE).expect("a file");
+    let scene = scene(file.to_str().expect("a path"), [64, 48]);
+    for opened in all("huge triangles") {
+        for row in crosscheck(&opened, &scene, &methods(&["ab-ll", "s-buffer"])) {
+            assert_eq!(row.status, Status::Equal, "{row:?}");
+            let outside = if row.path == Path::Raster { 64 * 48 } else { 0 };
+            assert_eq!(row.by_compute, outside, "{row:?}");
+            assert!(row.differences.fragments > 2 * 64 * 48, "{row:?}");
+        }
+    }
+}
+
+/// On a device with little room a picture is drawn in bands, to the same end; one without room for a band says so.
+#[test]
+fn pictures_are_cut_to_fit() {
+    let _turn = turn();
+    let scene = scene("hairball:strands=60", [70, 90]);
+    let methods = methods(&["ab-ll", "s-buffer", "kplus-array", "ha32"]);
+    for mut opened in all("bands") {
+        let whole = crosscheck(&opened, &scene, &methods);
+        opened.device.limits.max_storage_buffer_binding_size = 100_000;
+        for (row, whole) in crosscheck(&opened, &scene, &methods).iter().zip(whole) {
+            assert_eq!((row.status, whole.status), (Status::Equal, Status::Equal), "{row:?}");
+            assert_eq!(row.differences.fragments, whole.differences.fragments, "{row:?}");
+        }
+        opened.device.limits.max_storage_buffer_binding_size = 10_000;
+        for row in crosscheck(&opened, &scene, &methods).iter().skip(4).take(2) {
+            assert_eq!((row.method.as_str(), row.status), ("kplus-array", Status::Unsupported));
+            assert!(row.reason.contains("no room") && row.reason.contains("10000"), "{row:?}");
         }
     }
 }
@@ -107,6 +159,85 @@ fn a_race_is_counted_and_is_no_finding() {
         for row in crosscheck(&opened, &scene, &methods(&["kb"])) {
             assert!(!row.is_finding, "{row:?}");
             assert!(row.reason.contains("race"), "{row:?}");
+            // Drivers on CPUs draw a tile, or a row, in order and on one thread.
+            if row.path == Path::Raster && opened.device.name.kind == "Cpu" {
+                assert_eq!(row.status, Status::Equal, "{row:?}");
+                assert!(row.reason.contains("proves nothing"), "{row:?}");
+            }
+        }
+    }
+}
+
+/// Of equal depths, `kb-mdt32` may keep either; other depths are a finding.
+#[test]
+fn ties_may_be_confused_and_nothing_else() {
+    let contract = contract("kb-mdt32").expect("a method");
+    let lists = |keys: &[u64]| Lists { starts: vec![0, keys.len() as u32], keys: keys.to_vec() };
+    let key = |depth: u64, data: u64| depth << 32 | data;
+    let expected = Expected {
+        generated: lists(&[key(1, 1), key(1, 2), key(5, 3)]),
+        kept: lists(&[key(1, 1), key(1, 2)]),
+        colors: vec![0],
+    };
+    let found = |keys: [u64; 2]| {
+        let got = Downloaded {
+            counts: vec![2],
+            keys: keys.to_vec(),
+            colors: vec![0],
+            rooms: vec![(0, 2)],
+        };
+        compare(contract, Some(2), &expected, &got)
+    };
+    assert!(found([key(1, 1), key(1, 2)]).is_equal());
+    let confused = found([key(1, 2), key(1, 2)]);
+    assert_eq!((confused.list_differences, confused.not_allowed), (1, 0), "{confused:?}");
+    assert_eq!((confused.lost, confused.duplicated), (1, 1), "{confused:?}");
+    for wrong in [[key(1, 1), key(5, 3)], [key(1, 1), key(1, 3)], [key(1, 1), key(2, 2)]] {
+        let found = found(wrong);
+        assert_eq!((found.list_differences, found.not_allowed), (1, 1), "{found:?}");
+    }
+}
+
+/// Who gives up waiting is run again, on both paths, and counted; one who would wait for ever is a failure.
+#[test]
+fn who_gives_up_waiting_is_run_again() {
+    let _turn = turn();
+    let second_time = "attempt < select(0u, PATIENCE, fragment.outcome == STUCK)";
+    let late = mutant("kplus-array", "attempt < PATIENCE", second_time);
+    let never = mutant("kplus-array", "attempt < PATIENCE", "attempt < 0u");
+    for opened in all("waiting") {
+        // Of more, the raster path cannot remember all.
+        for (twin, count, size, right) in [
+            (late, 3, 64, Ok(3 * 64 * 64)),
+            (late, 17, 64, Err(Failure::Stuck(17 * 64 * 64))),
+            (never, 3, 8, Err(Failure::Stuck(3 * 8 * 8))),
+        ] {
+            let scene = scene(&format!("layers:count={count}"), [size, size]);
+            let picture = Picture::new(&scene, opened.bits());
+            let contract = contract("kplus-array").expect("a method");
+            let record = crosscheck::record(contract);
+            let band = picture.whole();
+            let shape = Shape::new(contract.name, band.config(contract, None)).expect("a method");
+            let constants = constants(&shape, record, picture.background);
+            let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
+            program.clear().expect("cleared");
+            let triangles = Triangles::new(&band, record);
+            let raster = Raster::new(&program, &band, &triangles).expect("triangles");
+            let drawn = program.run(|function| raster.draw(function)).map(|()| program.again());
+            assert_eq!(drawn, right);
+            if right.is_ok() {
+                let expected = band.expected(contract, record, None);
+                let starts = &expected.kept.starts;
+                let got = resolve(&program, &picture.palette, starts).expect("resolved");
+                assert!(compare(contract, None, &expected, &got).is_equal());
+            }
+            if count == 3 {
+                program.clear().expect("cleared");
+                let before = program.again();
+                let fragments = band.stream(record, Some(1));
+                let run = program.run(|function| program.compute(function, &fragments));
+                assert_eq!(run.map(|()| program.again() - before), right);
+            }
         }
     }
 }
@@ -141,7 +272,7 @@ fn conformance_finds_changed_twins() {
     let mutants = [
         mutant("ab-ll", "nodes.links[node] = ", "nodes.links[0] = "),
         mutant("ab-array", "return KEPT", "return CULLED"),
-        mutant("kplus-array", "put(pixel, count, last);", "put(pixel, count, key);"),
+        mutant("kplus-array", "array_append(pixel, count, key)", "put(pixel, count, key)"),
         mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
         mutant("kb", "is_less", "!is_less"),
         mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
@@ -163,12 +294,13 @@ fn conformance_finds_changed_twins() {
 fn litmus_pixels_have_outcomes_of_interleavings() {
     let _turn = turn();
     for opened in all("litmus pixels") {
-        for method in ["ab-ll", "kplus-array", "kb-ll"] {
+        for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32"] {
             let extent = stress::Extent { fragments: 3, repeats: 1 };
             let twin = twin(method).expect("a twin");
             let found = stress(&opened.device, twin, extent).expect("a device");
-            assert_eq!((found.outside, found.relaxed), (0, 0), "{found:?}");
-            assert!(found.runs >= 12 * 3 * 4_096 && found.seen > 0, "{found:?}");
+            assert_eq!((found.outside, found.unexplored), (0, 0), "{found:?}");
+            assert!(found.relaxed == 0 || method == "kb", "{found:?}");
+            assert!(found.runs >= 6 * 3 * 4_096 && found.seen > 0, "{found:?}");
         }
         let unlocked = mutant("kplus-array", "TAKEN) == FREE", "TAKEN) < 2u");
         let extent = stress::Extent { fragments: 3, repeats: 1 };
@@ -249,28 +381,32 @@ fn a_finer_grid_than_the_device_has_is_seen() {
 fn a_hang_is_survived() {
     let _turn = turn();
     let slow =
-        "for (var i = 0u; i < 4000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
+        "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
     let twin = mutant("ab-ll", "let node", slow);
     let contract = contract("ab-ll").expect("a method");
     let record = crosscheck::record(contract);
     let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
     let band = picture.whole();
     let fragments = band.stream(record, None);
+    let (mut swiftshader, mut hung) = (false, false);
     for adapter in adapters() {
         let mut device = Device::open(&adapter).expect("a device");
         device.patience = 1;
+        swiftshader |= device.name.name.contains("SwiftShader");
         let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
         let constants = constants(&shape, record, [0; 3]);
         let program = Program::new(&device, twin, shape, constants).expect("a program");
         match program.compute("store", &fragments[..1]) {
             Ok(()) => println!("{} ends the loop by itself", device.name.name),
             found => {
+                hung = true;
                 assert_eq!(found, Err(Failure::TimedOut(1)));
                 assert!(device.is_lost());
                 assert_eq!(program.clear(), Err(Failure::TimedOut(1)), "and stays so");
             }
         }
     }
+    assert!(hung || !swiftshader, "it runs any loop to its end");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 //# include shared/fragment
 //# include shared/lock
+//# include shared/max_array
 //# include shared/emit
 
 struct Pixel {
@@ -35,36 +36,14 @@ fn clear(pixel: u32) {
 fn insert(pixel: u32, key: Key) -> u32 {
     let count = atomicLoad(&pixels[pixel].counter);
     if count < K {
-        // Append, into entry 0 if it is the farthest; only then raise the counter.
-        var last = key;
-        if count > 0u {
-            let farthest = entry(pixel, 0u);
-            if is_less(farthest, last) {
-                put(pixel, 0u, last);
-                last = farthest;
-            }
-        }
-        put(pixel, count, last);
+        array_append(pixel, count, key);
         atomicStore(&pixels[pixel].counter, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(pixel, 0u)) {
         return CULLED;
     }
-    // Find who will be the farthest before anything is written.
-    var place = 0u;
-    var farthest = key;
-    for (var i = 1u; i < K; i++) {
-        let other = entry(pixel, i);
-        if is_less(farthest, other) {
-            place = i;
-            farthest = other;
-        }
-    }
-    if place != 0u {
-        put(pixel, place, key);
-    }
-    put(pixel, 0u, farthest);
+    array_replace(pixel, K, key);
     return EVICTED;
 }
 

@@ -1,6 +1,21 @@
 //# include pass/raster
 
+// Those that gave up waiting, for a lock or for a compare-exchange: the host runs them again, the compute way.
+struct GivenUp {
+    count: atomic<u32>,
+    fragments: array<Fragment>,
+}
+
+@group(1) @binding(0) var<storage, read_write> given_up: GivenUp;
+
 @fragment
 fn store_raster(corner: Corner) {
-    store(fragment_of(corner));
+    var fragment = fragment_of(corner);
+    fragment.outcome = store(fragment);
+    if fragment.outcome == STUCK {
+        let place = atomicAdd(&given_up.count, 1u);
+        if place < arrayLength(&given_up.fragments) {
+            given_up.fragments[place] = fragment;
+        }
+    }
 }

@@ -1,0 +1,79 @@
+//! `fragloom adapters`: which devices there are.
+
+use super::{Verdict, say};
+use crate::error::Result;
+use crate::gpu::device::{self, Device};
+use crate::gpu::failure::Failure;
+use crate::gpu::{open, raster};
+use crate::report::json;
+use crate::report::text::{Align, columns};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// What an adapter has, as far as it matters here.
+#[derive(Debug, serde::Serialize)]
+struct Row {
+    #[serde(flatten)]
+    name: device::AdapterName,
+    /// Measured.
+    sub_pixel_bits: Option<u32>,
+    atomics64: bool,
+    largest_buffer: u64,
+    problem: Option<String>,
+}
+
+/// Print what adapters there are.
+///
+/// # Errors
+/// There is none.
+pub(super) fn run(args: &Args) -> Result<Verdict> {
+    let found = device::adapters();
+    if found.is_empty() {
+        return Err(open::none(None));
+    }
+    let rows: Vec<Row> = found.iter().map(adapter).collect();
+    if args.json {
+        say::result(&json::document(&rows)?)?;
+        return Ok(Verdict::Clean);
+    }
+    let heading =
+        ["adapter", "driver", "backend", "kind", "sub-pixel bits", "64-bit atomics", "problem"];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    lines.extend(rows.iter().map(|row| {
+        let bits = row.sub_pixel_bits.map_or("?".to_owned(), |bits| bits.to_string());
+        let atomics = if row.atomics64 { "yes" } else { "no" };
+        let device::AdapterName { name, driver, backend, kind } = row.name.clone();
+        let problem = row.problem.clone().unwrap_or_default();
+        vec![name, driver, backend, kind, bits, atomics.to_owned(), problem]
+    }));
+    use Align::{Left, Right};
+    say::result(&columns(&[Left, Left, Left, Left, Right, Left, Left], &lines))?;
+    Ok(Verdict::Clean)
+}
+
+fn adapter(adapter: &wgpu::Adapter) -> Row {
+    let measured: std::result::Result<(Device, u32), Failure> = Device::open(adapter)
+        .and_then(|device| raster::sub_pixel_bits(&device).map(|bits| (device, bits)));
+    let name = device::name(adapter);
+    match measured {
+        Ok((device, bits)) => Row {
+            name,
+            sub_pixel_bits: Some(bits),
+            atomics64: device.atomics64,
+            largest_buffer: device.largest(),
+            problem: None,
+        },
+        Err(failure) => Row {
+            name,
+            sub_pixel_bits: None,
+            atomics64: false,
+            largest_buffer: 0,
+            problem: Some(failure.to_string()),
+        },
+    }
+}

@@ -1,0 +1,101 @@
+//! `fragloom crosscheck --litmus`: litmus pixels on devices, one invocation at a time, and then many copies at once.
+
+use super::{Args, devices, status};
+use crate::cli::{Verdict, say, wait};
+use crate::error::{Error, Result};
+use crate::gpu::conform::{self, Conformance};
+use crate::gpu::crosscheck::{self, Options};
+use crate::gpu::device::AdapterName;
+use crate::gpu::failure::Failure;
+use crate::gpu::stress::{self, Stressed};
+use crate::report::json;
+use crate::report::text::{Align, columns};
+
+/// What `--litmus` prints.
+#[derive(Debug, Default, serde::Serialize)]
+struct Litmus {
+    conformance: Vec<Conformance>,
+    stress: Vec<Stressed>,
+}
+
+/// Litmus pixels on every device.
+///
+/// # Errors
+/// `--repeats 0`, or there is no adapter.
+pub(super) fn run(args: &Args, options: &Options) -> Result<Verdict> {
+    if args.repeats == 0 {
+        return Err(Error::new("--repeats", "is 0, but must be at least 1"));
+    }
+    let devices = devices(args.adapter.as_deref())?;
+    let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
+    let mut all = Litmus::default();
+    let mut failures = Vec::new();
+    for opened in &devices {
+        let device = &opened.device;
+        for method in &options.methods {
+            let twin = crosscheck::find(method)?;
+            let message = format!("litmus pixels of {method} on {}", device.name.name);
+            let both = wait::during(args.output.quiet, &message, || {
+                let conformance = conform::conform(device, twin, conform::Extent::default())?;
+                Ok((conformance, stress::stress(device, twin, extent)?))
+            });
+            match both {
+                Ok((conformance, stressed)) => {
+                    all.conformance.push(conformance);
+                    all.stress.push(stressed);
+                }
+                Err(failure) => {
+                    let failure: Failure = failure;
+                    failures.push(format!("{}: {method}: {failure}", device.name.name));
+                }
+            }
+        }
+    }
+    let names = devices.iter().map(|opened| &opened.device.name);
+    let text = if args.output.json { json::document(&all)? } else { table(&all, names) };
+    say::result(&text)?;
+    let mut found = failures;
+    found.extend(all.conformance.iter().filter_map(|row| {
+        let difference = row.difference.as_ref()?;
+        Some(format!("{}: {}: {difference}", row.adapter, row.method))
+    }));
+    let outside = all.stress.iter().filter(|row| row.outside > 0);
+    found.extend(outside.map(|row| format!("{}: {}: {}", row.adapter, row.method, row.reason)));
+    // What is unsupported is no pass.
+    if found.is_empty() && all.conformance.iter().all(|row| row.steps == 0) {
+        found.push("nothing was compared".to_owned());
+    }
+    found.iter().for_each(|line| say::violation(line));
+    Ok(if found.is_empty() { Verdict::Clean } else { Verdict::Found })
+}
+
+fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> String {
+    use Align::{Left, Right};
+    let mut text: String =
+        names.map(|name| format!("{}: driver {}\n", name.name, name.driver)).collect();
+    let heading =
+        ["adapter", "method", "litmus", "orders", "steps", "words", "device and simulator"];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    lines.extend(all.conformance.iter().map(|row| {
+        let found = match (&row.unsupported, &row.difference) {
+            (Some(why), _) => format!("unsupported: {why}"),
+            (_, Some(_)) => "DIFFER".to_owned(),
+            _ => "equal after every step".to_owned(),
+        };
+        let counts = [row.instances, row.orders, row.steps, row.words].map(|n| n.to_string());
+        [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![found]].concat()
+    }));
+    text += "\nOne invocation at a time\n";
+    text += &columns(&[Left, Left, Right, Right, Right, Right, Left], &lines);
+    let heading =
+        ["adapter", "method", "litmus", "runs", "possible", "seen", "relaxed", "outside", "status"];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    lines.extend(all.stress.iter().map(|row| {
+        let counts = [row.instances, row.runs, row.possible, row.seen, row.relaxed, row.outside];
+        let counts = counts.map(|n| n.to_string());
+        let status = status(row.status, &row.reason);
+        [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![status]].concat()
+    }));
+    text += "\nMany copies at once: outcomes that interleavings can give, and outcomes seen\n";
+    text + &columns(&[Left, Left, Right, Right, Right, Right, Right, Right, Left], &lines)
+}
