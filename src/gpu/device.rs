@@ -248,3 +248,21 @@ impl Device {
         Ok(view[..bytes as usize].to_vec())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What wgpu says when there is no memory is one of our failures, after which the device goes on; the first counts.
+    #[test]
+    fn out_of_memory_is_a_failure_that_passes() {
+        let slot = Mutex::new(None);
+        let source = || Box::new(std::io::Error::other("no room")) as Box<_>;
+        note(&slot, failure_of(wgpu::Error::OutOfMemory { source: source() }));
+        let (source, description) = (source(), "worse".to_owned());
+        note(&slot, failure_of(wgpu::Error::Internal { source, description }));
+        let found = slot.into_inner().unwrap_or_default();
+        assert_eq!(found, Some(Failure::OutOfMemory("no room".to_owned())));
+        assert!(found.is_some_and(|failure| !failure.is_fatal()));
+    }
+}
