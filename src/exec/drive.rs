@@ -2,7 +2,8 @@
 //!
 //! On native and exclusive memory every operation is ready at once, so one poll runs an invocation to its end and the
 //! compiler removes the machinery, *if* the poll is inlined. It is when a (scheme, memory) pair is polled in a single
-//! place: here, for executors, tests and benchmarks alike.
+//! place: here, for executors, tests and benchmarks alike. A scheme inside of another one is polled on a memory of
+//! another type, [`Inside`](crate::memory::Inside).
 //!
 //! Executors see a scheme through [`Pipeline`], in batches: they are compiled once for all schemes.
 

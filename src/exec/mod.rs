@@ -43,7 +43,7 @@ pub struct Job<'a> {
     pub nearest: Option<u32>,
     /// What the method promises, and which passes it has.
     pub contract: &'static Contract,
-    /// Fragments in all tiles before each tile, if they were counted; else empty.
+    /// Fragments in all tiles before each tile, and last in all tiles, if they were counted; else empty.
     pub before_tile: Vec<u64>,
     /// Worker threads.
     pub threads: usize,

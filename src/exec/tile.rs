@@ -1,10 +1,12 @@
 //! Tiles in parallel: a worker owns a tile's pixels, so their memory is plain cells.
 //!
 //! Where no pixel waits for another ([`Program::is_local`](crate::scheme::contract::Program::is_local)), a tile goes
-//! through all its passes and rounds at once, and its memory is the worker's, used again for the next tile. Else every
-//! tile keeps its memory, and a pass ends for all tiles before the next begins.
+//! through all its passes and rounds at once, and its memory is the worker's, used again for the next tile: its pixels'
+//! records, and its range of the pools, which then stays in the worker's cache. Else every tile keeps its memory, and a
+//! pass ends for all tiles before the next begins.
 
 use std::cell::Cell;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -58,7 +60,9 @@ struct Run<'a, O> {
 struct Tile<O> {
     index: usize,
     memory: Owned,
-    /// The next index of the tile's own range of every pool.
+    /// The worker's own range of every pool: that of a tile that was its.
+    pool: Range<u64>,
+    /// The next index of that range, if there is one.
     next: Option<Cell<u32>>,
     counts: PixelCounts,
     reports: Tally,
@@ -132,6 +136,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
         Tile {
             index: 0,
             memory: Owned::new(self.layout.per_pixel(), pixels),
+            pool: 0..0,
             next: None,
             counts: PixelCounts::default(),
             reports: Tally::default(),
@@ -157,7 +162,12 @@ impl<O: Observer + Default + Send> Run<'_, O> {
         tile.index = index;
         tile.rounds = 0;
         tile.observer = O::default();
-        tile.next = self.job.before_tile.get(index).map(|&before| Cell::new(before as u32));
+        if let Some(&[before, after]) = self.job.before_tile.get(index..index + 2) {
+            if after - before > tile.pool.end - tile.pool.start {
+                tile.pool = before..after;
+            }
+            tile.next = Some(Cell::new(tile.pool.start as u32));
+        }
         if self.job.contract.program.repeats {
             tile.lists.clear();
             tile.lists.resize(pixels, Keys::new());

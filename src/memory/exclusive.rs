@@ -1,8 +1,9 @@
 //! Exclusive memory: plain cells for the pixels of a tile that one worker owns; what belongs to the frame stays
 //! atomic and shared. The same scheme and the same result, without the price of atomics.
 //!
-//! A tile that knows how many fragments come before its own takes pool indices from its own range: no two workers write
-//! the same cache line of a pool, and which fragment gets which index does not depend on them.
+//! A tile that knows how many fragments it has takes pool indices from a range that is its worker's alone: no two workers
+//! write the same cache line of a pool, or wait for its counter. Which fragment gets which index may then depend on the
+//! workers; what is kept does not.
 
 use std::cell::Cell;
 use std::future::{Future, ready};

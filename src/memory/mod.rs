@@ -18,6 +18,7 @@ pub mod asked;
 mod both;
 pub mod count;
 pub mod exclusive;
+mod inside;
 pub mod layout;
 pub mod native;
 pub mod sim;
@@ -28,6 +29,7 @@ use std::future::Future;
 pub use asked::Snapshot;
 pub use both::{Both, both};
 pub use count::{Counters, Observer};
+pub use inside::Inside;
 pub use layout::{At, Atomic, Global, Growing, Kind, Layout, Pixel, Plain, Pool, Space, Words};
 pub use word::Word;
 

@@ -157,7 +157,7 @@ fn draw(
     Ok(Rendering { image, lists, surfaces, voxels, report, schedule, watched })
 }
 
-/// What the method must know of the scene, measured only if it must; and the fragments before each tile.
+/// What the method must know of the scene, measured only if it must; and the fragments before each tile, and in all.
 fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, Vec<u64>) {
     let pixels = front.grid.storage_pixels() as u32;
     let mut config = Config { k, pixels, ..Config::default() };
@@ -170,6 +170,7 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, 
                 config.generated += *count;
                 *count = before;
             }
+            before_tile.push(config.generated);
         }
         Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
             config.max_depth_complexity = front.max_depth_complexity();

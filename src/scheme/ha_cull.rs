@@ -18,7 +18,7 @@
 use std::marker::PhantomData;
 
 use crate::fragment::{Data, Fragment, depth_of};
-use crate::memory::{Event, Layout, Memory, Order, Snapshot};
+use crate::memory::{Event, Inside, Layout, Memory, Order, Snapshot};
 use crate::num::depth::Format;
 use crate::scheme::contract::{Demand, Form, Keeps};
 use crate::scheme::ha::{self, Bits64, HaBuffer, Record};
@@ -150,7 +150,7 @@ impl<V: Variant> Scheme for HaCull<V> {
     }
 
     async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
-        self.base.frame(mem, pass, index).await;
+        self.base.frame(&Inside::<_, Self>::new(mem), pass, index).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
@@ -214,6 +214,6 @@ impl<V: Variant> Scheme for HaCull<V> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        self.base.resolve(mem, pixel, keys).await;
+        self.base.resolve(&Inside::<_, Self>::new(mem), pixel, keys).await;
     }
 }

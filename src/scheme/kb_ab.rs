@@ -4,11 +4,10 @@
 //!
 //! One wrapper for the A-buffers there are: it hands everything on, and cuts what resolve gives.
 
-use std::future::Future;
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Layout, Memory, Snapshot};
+use crate::memory::{Inside, Layout, Memory, Snapshot};
 use crate::scheme::ab_array::{AbArray, AtomicAdd};
 use crate::scheme::ab_ll::{self, AbLinkedList};
 use crate::scheme::contract::{Form, Keeps};
@@ -130,37 +129,32 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
         Self { k: config.k.unwrap_or(8), all: A::new(&all, layout), choice: PhantomData }
     }
 
-    fn clear_frame<M: Memory>(&self, mem: &M) -> impl Future<Output = ()> {
-        self.all.clear_frame(mem)
+    async fn clear_frame<M: Memory>(&self, mem: &M) {
+        self.all.clear_frame(&Inside::<_, Self>::new(mem)).await;
     }
 
-    fn clear<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = ()> {
-        self.all.clear(mem, pixel)
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        self.all.clear(&Inside::<_, Self>::new(mem), pixel).await;
     }
 
-    fn prepare<M: Memory>(
-        &self,
-        mem: &M,
-        pass: usize,
-        fragment: Fragment,
-    ) -> impl Future<Output = ()> {
-        self.all.prepare(mem, pass, fragment)
+    async fn prepare<M: Memory>(&self, mem: &M, pass: usize, fragment: Fragment) {
+        self.all.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
     }
 
-    fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) -> impl Future<Output = ()> {
-        self.all.screen(mem, pass, pixel)
+    async fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) {
+        self.all.screen(&Inside::<_, Self>::new(mem), pass, pixel).await;
     }
 
     fn invocations(&self, pass: usize) -> u32 {
         self.all.invocations(pass)
     }
 
-    fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) -> impl Future<Output = ()> {
-        self.all.frame(mem, pass, index)
+    async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
+        self.all.frame(&Inside::<_, Self>::new(mem), pass, index).await;
     }
 
-    fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome> {
-        self.all.store(mem, fragment)
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        self.all.store(&Inside::<_, Self>::new(mem), fragment).await
     }
 
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
@@ -168,7 +162,7 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        self.all.resolve(mem, pixel, keys).await;
+        self.all.resolve(&Inside::<_, Self>::new(mem), pixel, keys).await;
         C::cut(keys, self.k as usize);
     }
 }

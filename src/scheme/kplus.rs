@@ -2,7 +2,7 @@
 //! max-heap above.
 
 use crate::fragment::Fragment;
-use crate::memory::{Layout, Memory, Snapshot};
+use crate::memory::{Inside, Layout, Memory, Snapshot};
 use crate::scheme::kplus_array::{self, KPlusArray};
 use crate::scheme::kplus_heap::{self, KPlusHeap};
 use crate::scheme::kplus_sb::ARRAY_UP_TO;
@@ -35,16 +35,18 @@ impl Scheme for KPlus {
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        let mem = Inside::<_, Self>::new(mem);
         match self {
-            Self::Array(array) => array.clear(mem, pixel).await,
-            Self::Heap(heap) => heap.clear(mem, pixel).await,
+            Self::Array(array) => array.clear(&mem, pixel).await,
+            Self::Heap(heap) => heap.clear(&mem, pixel).await,
         }
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let mem = Inside::<_, Self>::new(mem);
         match self {
-            Self::Array(array) => array.store(mem, fragment).await,
-            Self::Heap(heap) => heap.store(mem, fragment).await,
+            Self::Array(array) => array.store(&mem, fragment).await,
+            Self::Heap(heap) => heap.store(&mem, fragment).await,
         }
     }
 
@@ -56,9 +58,10 @@ impl Scheme for KPlus {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let mem = Inside::<_, Self>::new(mem);
         match self {
-            Self::Array(array) => array.resolve(mem, pixel, keys).await,
-            Self::Heap(heap) => heap.resolve(mem, pixel, keys).await,
+            Self::Array(array) => array.resolve(&mem, pixel, keys).await,
+            Self::Heap(heap) => heap.resolve(&mem, pixel, keys).await,
         }
     }
 }

@@ -1,0 +1,103 @@
+//! The same memory under another type, for a scheme inside of another one.
+//!
+//! A scheme that hands its work on to a second one would poll that one's futures on the memory on which the catalogue
+//! polls them too. Of a future that is polled in two places the compiler makes one function, with its state in memory,
+//! and both methods lose (the linked list A-buffer: by half). On this memory they are futures of another type.
+
+use std::future::Future;
+use std::marker::PhantomData;
+
+use super::{
+    Access, At, Atomic, Block, Event, Kind, Mark, Memory, Order, Pool, Space, Update, Word,
+};
+
+/// A memory, inside of scheme `S`.
+#[derive(Debug)]
+pub struct Inside<'m, M, S> {
+    mem: &'m M,
+    scheme: PhantomData<fn(S)>,
+}
+
+impl<'m, M, S> Inside<'m, M, S> {
+    /// The memory that a scheme hands on.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(mem: &'m M) -> Self {
+        Self { mem, scheme: PhantomData }
+    }
+}
+
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl<M: Memory, T> Memory for Inside<'_, M, T> {
+    #[inline(always)]
+    #[track_caller]
+    fn read<S: Space, K: Kind, W: Word>(
+        &self,
+        at: At<S, K, W>,
+        access: Access,
+    ) -> impl Future<Output = W> + Unpin {
+        self.mem.read(at, access)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn write<S: Space, K: Kind, W: Word>(
+        &self,
+        at: At<S, K, W>,
+        value: W,
+        access: Access,
+    ) -> impl Future<Output = ()> + Unpin {
+        self.mem.write(at, value, access)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn update<S: Space, W: Word>(
+        &self,
+        at: At<S, Atomic, W>,
+        update: Update<W>,
+        order: Order,
+    ) -> impl Future<Output = W> + Unpin {
+        self.mem.update(at, update, order)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn spin(&self, mark: Mark) -> impl Future<Output = ()> + Unpin {
+        self.mem.spin(mark)
+    }
+
+    #[inline(always)]
+    fn mark(&self) -> Mark {
+        self.mem.mark()
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn here(&self, live: &[u64]) {
+        self.mem.here(live);
+    }
+
+    #[inline(always)]
+    fn note(&self, event: Event) {
+        self.mem.note(event);
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn block(&self) -> Block {
+        self.mem.block()
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn merge(&self, block: Block) -> impl Future<Output = ()> + Unpin {
+        self.mem.merge(block)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
+        self.mem.take(pool)
+    }
+}
