@@ -1,8 +1,9 @@
 //! The same memory under another type, for a scheme inside of another one.
 //!
-//! A scheme that hands its work on to a second one would poll that one's futures on the memory on which the catalogue
-//! polls them too. Of a future that is polled in two places the compiler makes one function, with its state in memory,
-//! and both methods lose (the linked list A-buffer: by half). On this memory they are futures of another type.
+//! An `async fn` that is called from two places on one memory is one future, polled in two places. The compiler then
+//! makes one function of it, with its state in memory, and every caller loses: `kplus-heap` took more than twice as
+//! long. On this memory, a scheme's futures inside of another scheme are of a type of their own. A step that schemes
+//! share, and that is on the way of every fragment, has its caller's type as a parameter instead, to the same end.
 
 use std::future::Future;
 use std::marker::PhantomData;

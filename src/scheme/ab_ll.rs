@@ -165,7 +165,7 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        self.lists.collect(mem, pixel, 0, keys).await;
+        self.lists.collect::<_, Self>(mem, pixel, 0, keys).await;
     }
 }
 

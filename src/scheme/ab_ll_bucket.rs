@@ -182,7 +182,7 @@ impl<V: Variant> Scheme for AbBucketList<V> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         for bucket in 0..BUCKETS {
-            self.lists.collect(mem, pixel, bucket, keys).await;
+            self.lists.collect::<_, Self>(mem, pixel, bucket, keys).await;
         }
     }
 }

@@ -73,7 +73,7 @@ impl Scheme for BucketPeel {
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let near = mem.load(self.near.at(fragment.pixel, 0), Order::Relaxed).await;
         let far = mem.load(self.far.at(fragment.pixel, 0), Order::Relaxed).await;
-        self.ends.peel(mem, bucket(fragment.depth, [near, far]), fragment, true).await;
+        self.ends.peel::<_, Self>(mem, bucket(fragment.depth, [near, far]), fragment, true).await;
         Outcome::Kept
     }
 

@@ -75,7 +75,7 @@ impl<V: Variant> Scheme for DualPeel<V> {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        self.ends.peel(mem, 0, fragment, V::ONCE).await;
+        self.ends.peel::<_, Self>(mem, 0, fragment, V::ONCE).await;
         Outcome::Kept
     }
 

@@ -91,7 +91,7 @@ impl Scheme for DynamicFragmentBuffer {
         if place >= MOST {
             return Outcome::Overflow;
         }
-        let (start, _) = self.ranges.start(mem, fragment.pixel).await;
+        let (start, _) = self.ranges.start::<_, Self>(mem, fragment.pixel).await;
         let record = start + u64::from(index);
         if record >= self.records.count() {
             return Outcome::Pool;
@@ -103,7 +103,7 @@ impl Scheme for DynamicFragmentBuffer {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let length = mem.plain_load(self.length.at(pixel, 0)).await;
         if length > 0 {
-            let (start, _) = self.ranges.start(mem, pixel).await;
+            let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
             let end = start + u64::from(length);
             let begin = end.saturating_sub(u64::from(MOST)).max(start);
             for record in begin..end.min(self.records.count()) {

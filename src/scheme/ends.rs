@@ -48,7 +48,8 @@ impl Ends {
 
     /// A fragment's part in a round. If not `once`, a layer that is both the last near and the last far one counts
     /// twice.
-    pub async fn peel<M: Memory>(&self, mem: &M, run: u32, fragment: Fragment, once: bool) {
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub async fn peel<M: Memory, Caller>(&self, mem: &M, run: u32, fragment: Fragment, once: bool) {
         let (pixel, key) = (fragment.pixel, fragment.key());
         let from = mem.plain_load(self.from.at(pixel, run)).await;
         let to = mem.plain_load(self.to.at(pixel, run)).await;

@@ -202,7 +202,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                         mem.write(counter, count + 1, V::RAISE).await;
                     }
                     if V::BY_HOLE {
-                        max_heap::append(mem, heap, count, new).await;
+                        max_heap::append::<_, _, Self>(mem, heap, count, new).await;
                     } else {
                         max_heap::append_by_swaps(mem, heap, count, new, V::COMPARED).await;
                     }
@@ -215,7 +215,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                     let nearer = V::COMPARED.of(new) < V::COMPARED.of(root);
                     if nearer && V::EVICTS {
                         if V::BY_HOLE {
-                            max_heap::replace(mem, heap, self.k, new).await;
+                            max_heap::replace::<_, _, Self>(mem, heap, self.k, new).await;
                         } else {
                             max_heap::replace_by_swaps(mem, heap, self.k, new, V::COMPARED).await;
                         }

@@ -130,10 +130,10 @@ impl<V: Variant> Scheme for KPlusMulti<V> {
             if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
                 let count = mem.load(counter, Order::Relaxed).await;
                 if count < self.k {
-                    append(mem, slots, count, key).await;
+                    append::<_, _, Self>(mem, slots, count, key).await;
                     mem.store(counter, count + 1, Order::Release).await;
                 } else if key < pair_key(entry(mem, slots, 0).await) {
-                    replace(mem, slots, count, key).await;
+                    replace::<_, _, Self>(mem, slots, count, key).await;
                 }
                 self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
                 return Outcome::Kept;

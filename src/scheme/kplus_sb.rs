@@ -190,17 +190,17 @@ impl<V: Variant> Scheme for KPlusSb<V> {
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
                     if heap {
-                        max_heap::append(mem, slots, count, new).await;
+                        max_heap::append::<_, _, Self>(mem, slots, count, new).await;
                     } else {
-                        max_array::append(mem, slots, count, new).await;
+                        max_array::append::<_, _, Self>(mem, slots, count, new).await;
                     }
                     mem.store(counter, count + 1, Order::Release).await;
                     outcome = Outcome::Kept;
                 } else if new < pair_key(entry(mem, slots, 0).await) {
                     if heap {
-                        max_heap::replace(mem, slots, self.k, new).await;
+                        max_heap::replace::<_, _, Self>(mem, slots, self.k, new).await;
                     } else {
-                        max_array::replace(mem, slots, self.k, new).await;
+                        max_array::replace::<_, _, Self>(mem, slots, self.k, new).await;
                     }
                     outcome = Outcome::Evicted;
                 }
@@ -238,7 +238,7 @@ impl<V> KPlusSb<V> {
     /// A pixel's records, and whether it has more than k fragments.
     #[inline(always)]
     async fn slots<M: Memory>(&self, mem: &M, pixel: u32) -> (OfFrame, bool) {
-        let (first, crowded) = self.ranges.start(mem, pixel).await;
+        let (first, crowded) = self.ranges.start::<_, Self>(mem, pixel).await;
         (OfFrame { depth: self.depth, data: self.data, first }, crowded)
     }
 }

@@ -210,7 +210,8 @@ impl<L: Kind> Lists<L> {
 
 impl Lists<Plain> {
     /// Follow a list, in resolve.
-    pub async fn collect<M: Memory>(self, mem: &M, pixel: u32, list: u32, keys: &mut Keys) {
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub async fn collect<M: Memory, Caller>(self, mem: &M, pixel: u32, list: u32, keys: &mut Keys) {
         let mut node = mem.load(self.head(pixel, list), Order::Relaxed).await;
         while node != NONE {
             keys.push(self.key(mem, node).await);

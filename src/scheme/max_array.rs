@@ -6,7 +6,8 @@ use crate::fragment::{depth_of, key, pair_key};
 use crate::memory::{Memory, Order};
 
 /// Add a record to an array of `count`.
-pub async fn append<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, new: u64) {
+#[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+pub async fn append<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, new: u64) {
     let mut last = new;
     if count > 0 {
         let farthest = pair_key(entry(mem, slots, 0).await);
@@ -19,7 +20,8 @@ pub async fn append<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, new: u64
 }
 
 /// Put a record in the place of the farthest of `count`: who will be the farthest is found before anything is written.
-pub async fn replace<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, new: u64) {
+#[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+pub async fn replace<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, new: u64) {
     let (mut place, mut farthest) = (0, new);
     for i in 1..count {
         // The data word decides only among equal depths, and is read only then.

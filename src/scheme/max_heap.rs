@@ -11,7 +11,8 @@ use crate::fragment::pair_key;
 use crate::memory::Memory;
 
 /// Add a record to a heap of `count` (up-heap).
-pub async fn append<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64) {
+#[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+pub async fn append<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, key: u64) {
     let mut hole = count;
     while hole > 0 {
         let parent = (hole - 1) / 2;
@@ -26,7 +27,8 @@ pub async fn append<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64
 }
 
 /// Put a record in the place of the farthest of `count` (down-heap).
-pub async fn replace<M: Memory, S: Slots>(mem: &M, slots: S, count: u32, key: u64) {
+#[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+pub async fn replace<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, key: u64) {
     let mut hole = 0;
     loop {
         let left = 2 * hole + 1;

@@ -99,7 +99,8 @@ impl Ranges {
     }
 
     /// Where a pixel's records begin, and its flag. Only for pixels that have records.
-    pub async fn start<M: Memory>(self, mem: &M, pixel: u32) -> (u64, bool) {
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub async fn start<M: Memory, Caller>(self, mem: &M, pixel: u32) -> (u64, bool) {
         let offset = mem.plain_load(self.offset.at(pixel, 0)).await;
         let block = mem.load(self.blocks.at(u64::from(pixel / RADIX)), Order::Relaxed).await;
         let group = self.groups.at(u64::from(pixel / (RADIX * RADIX)));

@@ -156,7 +156,7 @@ impl<V: Variant> Scheme for SBuffer<V> {
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let index = mem.add(self.counter.at(fragment.pixel, 0), 1, Order::Relaxed).await;
-        let (start, _) = self.ranges.start(mem, fragment.pixel).await;
+        let (start, _) = self.ranges.start::<_, Self>(mem, fragment.pixel).await;
         let record = start + u64::from(index);
         let last = if V::BOUNDED { self.records.count() } else { self.records.count() + 1 };
         if record >= last {
@@ -169,7 +169,7 @@ impl<V: Variant> Scheme for SBuffer<V> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {
-            let (start, _) = self.ranges.start(mem, pixel).await;
+            let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
             let end = (start + u64::from(count)).min(self.records.count());
             for record in start..end {
                 keys.push(mem.plain_load(self.records.at(record)).await);
