@@ -222,6 +222,20 @@ fn a_memory_budget_is_never_exceeded() {
     }
 }
 
+/// Tiles that one worker draws one after another may share its range of a pool, but not where the pool is too small.
+#[test]
+fn a_budget_holds_for_small_tiles_too() {
+    let scene = scene("synthetic:n=8,tessellation=3", [64, 64]);
+    for method in ["ab-ll", "ab-ll-bucket", "ab-ll-double", "kb-ll"] {
+        let options = Options { tile: 16, threads: 1, ..options(method, None) };
+        let bytes = draw(&scene, &options).report.bytes / 3 * 2;
+        let report = draw(&scene, &Options { memory_budget: Some(bytes), ..options }).report;
+        let room = report.budget.and_then(|budget| budget.room).expect("a pool");
+        assert!(room < report.generated, "{method}");
+        assert_eq!(report.kept, room, "{method}");
+    }
+}
+
 #[test]
 fn a_budget_that_is_too_small_is_refused() {
     let scene = scene("layers:count=4", [16, 16]);

@@ -45,6 +45,8 @@ pub struct Job<'a> {
     pub contract: &'static Contract,
     /// Fragments in all tiles before each tile, and last in all tiles, if they were counted; else empty.
     pub before_tile: Vec<u64>,
+    /// Whether pools have room for every fragment: nothing limits them.
+    pub whole_pools: bool,
     /// Worker threads.
     pub threads: usize,
     /// Transmittance below which nothing behind can be seen, where a method culls early.

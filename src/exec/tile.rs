@@ -163,7 +163,8 @@ impl<O: Observer + Default + Send> Run<'_, O> {
         tile.rounds = 0;
         tile.observer = O::default();
         if let Some(&[before, after]) = self.job.before_tile.get(index..index + 2) {
-            if after - before > tile.pool.end - tile.pool.start {
+            // Where a pool is too small, which of its ranges a tile has decides what is dropped.
+            if !self.job.whole_pools || after - before > tile.pool.end - tile.pool.start {
                 tile.pool = before..after;
             }
             tile.next = Some(Cell::new(tile.pool.start as u32));

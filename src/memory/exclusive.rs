@@ -3,7 +3,7 @@
 //!
 //! A tile that knows how many fragments it has takes pool indices from a range that is its worker's alone: no two workers
 //! write the same cache line of a pool, or wait for its counter. Which fragment gets which index may then depend on the
-//! workers; what is kept does not.
+//! workers; what is kept does not, since a range is shared only where pools have room for all.
 
 use std::cell::Cell;
 use std::future::{Future, ready};

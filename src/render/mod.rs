@@ -123,6 +123,7 @@ fn draw(
         nearest: contract.reference_k(k),
         contract,
         before_tile,
+        whole_pools: chosen.is_none(),
         threads,
         opaque: options.hash.opaque(),
     };
