@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use fragloom::exec::drive::{Outcomes, Pipeline};
 use fragloom::fragment::{Fragment, key};
-use fragloom::memory::Layout;
 use fragloom::memory::arena::{Owned, Shared};
 use fragloom::memory::exclusive::Exclusive;
 use fragloom::memory::native::Native;
+use fragloom::memory::{Inputs, Layout};
 use fragloom::num::random::Random;
 use fragloom::scheme::kplus_array::{Correct, KPlusArray};
 use fragloom::scheme::{Config, Outcome, Scheme};
@@ -77,7 +77,8 @@ fn native(fragments: &[Fragment]) -> [f64; 3] {
     let (scheme, layout) = scheme();
     let pixel = Shared::new(layout.per_pixel(), PIXELS as usize);
     let global = Shared::new(layout.per_frame(), 1);
-    let mem = Native::new(&pixel, &global, &());
+    let inputs = Inputs::defaults(&layout);
+    let mem = Native::new(&pixel, &global, &inputs, &());
     let shape = shape();
     let words: Vec<AtomicU32> =
         (0..PIXELS as usize * shape.stride).map(|_| AtomicU32::new(0)).collect();
@@ -106,7 +107,8 @@ fn exclusive(fragments: &[Fragment]) -> [f64; 3] {
     let (scheme, layout) = scheme();
     let pixel = Owned::new(layout.per_pixel(), PIXELS as usize);
     let global = Shared::new(layout.per_frame(), 1);
-    let mem = Exclusive::new(&pixel, &global, None, &());
+    let inputs = Inputs::defaults(&layout);
+    let mem = Exclusive::new(&pixel, &global, &inputs, &());
     let shape = shape();
     let words = vec![Cell::new(0u32); PIXELS as usize * shape.stride];
     let mut outcomes: Outcomes = [Outcome::Kept; 64];

@@ -3,8 +3,9 @@
 
 mod support;
 
+use fragloom::catalogue;
 use fragloom::explore::litmus::of_size;
-use fragloom::explore::{Device, Family, Limits, MemoryModel, Profile, explore, subject};
+use fragloom::explore::{Device, Family, Limits, MemoryModel, Profile, Subject, explore};
 use support::{median, time};
 
 const TURNS: usize = 5;
@@ -24,9 +25,10 @@ fn main() {
         "method", "n", "k", "memory", "states", "moves", "seconds", "Mstates/s", "Mmoves/s"
     );
     for (method, n, k, memory) in CASES {
-        let subject = subject(method).expect("a method of the catalogue");
+        let method = catalogue::method(method).expect("a built-in method");
+        let subject = Subject::new(method).expect("it has invocations");
         let family = Family { fragments: n, ks: vec![k], helpers: 0 };
-        let instances = of_size(subject.contract, &family, n);
+        let instances = of_size(&subject, &family, n);
         let Some(litmus) = instances.first() else { continue };
         let limits = Limits { states: 50_000_000, cancelled: &|| false };
         let device = Device { memory, warp: None };

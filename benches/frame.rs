@@ -5,6 +5,7 @@
 
 mod support;
 
+use fragloom::catalogue;
 use fragloom::render::{Exec, Options, Report, render};
 use fragloom::scene::{self, Overrides, Scene};
 use support::median;
@@ -32,7 +33,7 @@ fn main() {
 }
 
 fn frame(scene: &Scene, method: &str, exec: &Exec) -> Report {
-    let method = method.to_owned();
+    let method = catalogue::method(method).expect("a built-in method");
     let options = Options { method, exec: exec.clone(), counters: false, ..Options::default() };
     render(scene, &options).expect("a frame").report
 }

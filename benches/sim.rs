@@ -10,6 +10,7 @@
 //! fragments. The number of residents hardly matters as long as invocations (a few hundred bytes each) and their pixels
 //! stay in the second-level cache; `order`, which is foreseen, takes less than half.
 
+use fragloom::catalogue;
 use fragloom::render::{Exec, Options, Policy, Report, Sim, render};
 use fragloom::scene::{self, Overrides, Scene};
 
@@ -46,7 +47,8 @@ fn main() {
 
 fn frame(scene: &Scene, method: &str, policy: &Policy, counters: bool) -> Report {
     let sim = Sim { policy: policy.clone(), seed: 1, resident: 1_024, ..Sim::default() };
-    let (method, exec) = (method.to_owned(), Exec::Sim(sim));
+    let method = catalogue::method(method).expect("a built-in method");
+    let exec = Exec::Sim(sim);
     let options = Options { method, k: None, exec, threads: 1, counters, ..Options::default() };
     render(scene, &options).expect("a frame").report
 }

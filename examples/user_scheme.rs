@@ -40,6 +40,8 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
         ..Contract::BASE_ALL
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let capacity = config.generated;
         let (head, pool) = (layout.pixel(1), layout.pool());

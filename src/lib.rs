@@ -4,8 +4,9 @@
 //! (`tests/layering.rs` checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `effect` → `render` → `explore` → `gpu` → `report` → `reproduce` → `cli`
+//! `catalogue` → `effect` → `render` → `explore` → `gpu` → `report` → `reproduce` → `cli`
 
+pub mod catalogue;
 pub mod cli;
 pub mod effect;
 pub mod error;

@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use fragloom::catalogue::Catalogue;
+
 fn main() -> ExitCode {
-    fragloom::cli::main()
+    fragloom::cli::main(&Catalogue::built_in())
 }

@@ -11,26 +11,27 @@
 
 mod support;
 
+use fragloom::catalogue::Catalogue;
+use fragloom::exec::Method;
 use fragloom::fragment::depth_of;
-use fragloom::memory::Layout;
 use fragloom::raster::Grid;
-use fragloom::render::{Data, Exec, Lists, Options, Policy, Report};
+use fragloom::render::{Data, Exec, Kept, Lists, Options, Policy, Report, reference};
 use fragloom::scene::Scene;
-use fragloom::scheme::catalogue::{self, Visitor};
+use fragloom::scheme::Config;
 use fragloom::scheme::contract::{Contract, Demand, Form, Keeps};
 use fragloom::scheme::hash::Settings;
-use fragloom::scheme::{Config, Scheme, contracts};
-use support::{draw, options, policies, scene, sim, small_scenes};
+use support::{contract, draw, lists, method, options, policies, scene, sim, small_scenes};
 
 /// The methods that promise something, with a k that bites on the small scenes and one that does not.
-fn cases() -> Vec<(&'static Contract, Option<u32>)> {
-    let promised = contracts().into_iter().filter(|c| c.form != Form::Mutation);
-    let with_k = |c: &'static Contract| {
-        let takes_k = c.keeps == Keeps::Nearest || c.default_k.is_some();
+fn cases() -> Vec<(Method, Option<u32>)> {
+    let catalogue = Catalogue::built_in();
+    let with_k = |method: Method| {
+        let contract = method.contract();
+        let takes_k = contract.keeps == Keeps::Nearest || contract.default_k.is_some();
         let ks = if takes_k { vec![Some(3), Some(64)] } else { vec![None] };
-        ks.into_iter().map(move |k| (c, k))
+        ks.into_iter().map(move |k| (method, k))
     };
-    promised.flat_map(with_k).collect()
+    catalogue.promised().flat_map(with_k).collect()
 }
 
 fn executors() -> Vec<Exec> {
@@ -39,20 +40,19 @@ fn executors() -> Vec<Exec> {
     all
 }
 
-fn with(method: &str, k: Option<u32>, exec: Exec) -> Options {
-    Options { exec, ..options(method, k) }
+fn with(method: Method, k: Option<u32>, exec: Exec) -> Options {
+    Options { method, k, exec, threads: 2, ..Options::default() }
 }
 
-/// All fragments, in the words that a method stores.
-fn exact(scene: &Scene, contract: &Contract) -> Lists {
-    let data = contract.data.unwrap_or_default();
-    let exact = Options { depth_format: contract.depth_format, data, ..options("exact", None) };
-    draw(scene, &exact).lists
+/// What a method is held to: all fragments in its words, and what it promises of them.
+fn held_to(scene: &Scene, method: Method, k: Option<u32>) -> (Lists, Kept) {
+    let reference = reference(scene, &with(method, k, Exec::Tile)).expect("a reference");
+    (reference.all, reference.kept.expect("it says what it keeps"))
 }
 
-/// The reference for a method: what it promises of the exact lists.
-fn reference(scene: &Scene, contract: &Contract, k: Option<u32>) -> Lists {
-    exact(scene, contract).cut(|keys| contract.keep(keys, k))
+/// What it promises.
+fn promised(scene: &Scene, method: Method, k: Option<u32>) -> Kept {
+    held_to(scene, method, k).1
 }
 
 fn balances(report: &Report) -> bool {
@@ -65,13 +65,13 @@ fn balances(report: &Report) -> bool {
 fn accounts_balance_everywhere() {
     for scene in small_scenes() {
         let generated = draw(&scene, &options("exact", None)).report.generated;
-        for (contract, k) in cases() {
+        for (method, k) in cases() {
             for exec in executors() {
-                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
+                let drawn = draw(&scene, &with(method, k, exec.clone()));
                 let report = &drawn.report;
-                assert!(balances(report), "{} {exec:?}: {report:?}", contract.name);
-                assert_eq!(report.generated, generated, "{} {exec:?}", contract.name);
-                assert_eq!(report.kept, drawn.lists.keys.len() as u64);
+                assert!(balances(report), "{method} {exec:?}: {report:?}");
+                assert_eq!(report.generated, generated, "{method} {exec:?}");
+                assert_eq!(report.kept, drawn.lists().expect("lists").entries.len() as u64);
                 assert_eq!(report.violations, Vec::<String>::new());
             }
         }
@@ -82,15 +82,11 @@ fn accounts_balance_everywhere() {
 fn order_independent_methods_give_the_exact_lists() {
     for scene in small_scenes() {
         let exact = |c: &Contract| c.order_independent() && c.keeps != Keeps::Some;
-        for (contract, k) in cases().into_iter().filter(|(c, _)| exact(c)) {
-            let expected = reference(&scene, contract, k);
+        for (method, k) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
+            let expected = promised(&scene, method, k);
             for exec in executors() {
-                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
-                assert_eq!(
-                    drawn.lists, expected,
-                    "{} k {k:?} {exec:?} {}",
-                    contract.name, scene.name
-                );
+                let drawn = draw(&scene, &with(method, k, exec.clone()));
+                assert_eq!(drawn.kept, expected, "{method} k {k:?} {exec:?} {}", scene.name);
             }
         }
     }
@@ -100,15 +96,11 @@ fn order_independent_methods_give_the_exact_lists() {
 fn every_method_is_exact_one_invocation_after_another() {
     for scene in small_scenes() {
         let exact = |c: &Contract| !c.arrival_dependent && c.keeps != Keeps::Some;
-        for (contract, k) in cases().into_iter().filter(|(c, _)| exact(c)) {
-            let expected = reference(&scene, contract, k);
+        for (method, k) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
+            let expected = promised(&scene, method, k);
             for exec in [Exec::Tile, sim(Policy::Order, 0), sim(Policy::Reverse, 0)] {
-                let drawn = draw(&scene, &with(contract.name, k, exec.clone()));
-                assert_eq!(
-                    drawn.lists, expected,
-                    "{} k {k:?} {exec:?} {}",
-                    contract.name, scene.name
-                );
+                let drawn = draw(&scene, &with(method, k, exec.clone()));
+                assert_eq!(drawn.kept, expected, "{method} k {k:?} {exec:?} {}", scene.name);
             }
         }
     }
@@ -119,34 +111,22 @@ fn every_method_is_exact_one_invocation_after_another() {
 fn arrival_dependent_methods_are_exact_without_ties_and_overflow() {
     let scene = scene("synthetic:n=9", [24, 24]);
     let exact = |c: &Contract| !matches!(c.keeps, Keeps::Visible | Keeps::Some);
-    for (contract, k) in cases().into_iter().filter(|(c, _)| exact(c)) {
-        let expected = reference(&scene, contract, k);
-        let drawn = draw(&scene, &with(contract.name, k, Exec::Tile));
-        assert_eq!(drawn.lists, expected, "{} k {k:?}", contract.name);
+    for (method, k) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
+        let expected = promised(&scene, method, k);
+        let drawn = draw(&scene, &with(method, k, Exec::Tile));
+        assert_eq!(drawn.kept, expected, "{method} k {k:?}");
     }
 }
 
 #[test]
 fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
     for scene in small_scenes() {
-        let nearest = draw(&scene, &options("z-buffer", None)).lists;
-        let all = draw(&scene, &options("ab-ll", None)).lists;
-        for (contract, _) in cases().into_iter().filter(|(c, _)| c.keeps == Keeps::Nearest) {
-            if contract.arrival_dependent {
-                continue;
-            }
-            assert_eq!(
-                draw(&scene, &options(contract.name, Some(1))).lists,
-                nearest,
-                "{}",
-                contract.name
-            );
-            assert_eq!(
-                draw(&scene, &options(contract.name, Some(64))).lists,
-                all,
-                "{}",
-                contract.name
-            );
+        let nearest = lists(&scene, &options("z-buffer", None));
+        let all = lists(&scene, &options("ab-ll", None));
+        let exact = |c: &Contract| c.keeps == Keeps::Nearest && !c.arrival_dependent;
+        for (method, _) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
+            assert_eq!(lists(&scene, &with(method, Some(1), Exec::Tile)), nearest, "{method}");
+            assert_eq!(lists(&scene, &with(method, Some(64), Exec::Tile)), all, "{method}");
         }
     }
 }
@@ -156,14 +136,14 @@ fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
 fn correct_k_methods_equal_exact_for_every_k() {
     let hand_made = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
     let scenes = [scene("synthetic:n=70,density=100", [6, 6]), scene(hand_made, [45, 33])];
-    let correct = |c: &&Contract| c.keeps == Keeps::Nearest && c.form == Form::Correct;
+    let correct = |c: &Contract| c.keeps == Keeps::Nearest && c.form == Form::Correct;
     for scene in &scenes {
-        for contract in contracts().into_iter().filter(correct) {
+        for method in Catalogue::built_in().promised().filter(|m| correct(m.contract())) {
             for k in [1, 2, 4, 8, 16, 32, 64] {
-                let expected = reference(scene, contract, Some(k));
+                let expected = promised(scene, method, Some(k));
                 for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, u64::from(k))] {
-                    let drawn = draw(scene, &with(contract.name, Some(k), exec.clone()));
-                    assert_eq!(drawn.lists, expected, "{} k {k} {exec:?}", contract.name);
+                    let drawn = draw(scene, &with(method, Some(k), exec.clone()));
+                    assert_eq!(drawn.kept, expected, "{method} k {k} {exec:?}");
                 }
             }
         }
@@ -184,7 +164,7 @@ fn rounds_are_as_many_as_layers_ask_for() {
     ];
     for (method, k, rounds) in cases {
         for exec in executors() {
-            let report = draw(&scene, &with(method, k, exec.clone())).report;
+            let report = draw(&scene, &with(self::method(method), k, exec.clone())).report;
             assert_eq!(report.rounds, rounds, "{method} {k:?} {exec:?}");
         }
     }
@@ -194,23 +174,24 @@ fn rounds_are_as_many_as_layers_ask_for() {
 fn a_memory_budget_is_never_exceeded() {
     // Whole tiles: what is allocated is then what the picture needs.
     let scene = scene("synthetic:n=8,tessellation=3", [64, 64]);
-    for (contract, k) in cases() {
+    for (method, k) in cases() {
+        let contract = method.contract();
         let takes_k = contract.default_k.is_some();
         let k = k.filter(|_| !takes_k);
         for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, 3)] {
-            let full = draw(&scene, &with(contract.name, k, exec.clone())).report;
+            let full = draw(&scene, &with(method, k, exec.clone())).report;
             for bytes in [full.bytes, full.bytes / 3 * 2] {
                 let options =
-                    Options { memory_budget: Some(bytes), ..with(contract.name, k, exec.clone()) };
+                    Options { memory_budget: Some(bytes), ..with(method, k, exec.clone()) };
                 let Ok(drawn) = fragloom::render::render(&scene, &options) else {
                     let fixed = !contract.words.contains('k');
-                    assert!(contract.demand == Demand::Nothing && fixed, "{}", contract.name);
+                    assert!(contract.demand == Demand::Nothing && fixed, "{method}");
                     continue;
                 };
                 let report = drawn.report;
-                assert!(report.bytes <= bytes, "{}: {} of {bytes}", contract.name, report.bytes);
-                assert!(balances(&report), "{}: {report:?}", contract.name);
-                assert_eq!(report.violations, Vec::<String>::new(), "{}", contract.name);
+                assert!(report.bytes <= bytes, "{method}: {} of {bytes}", report.bytes);
+                assert!(balances(&report), "{method}: {report:?}");
+                assert_eq!(report.violations, Vec::<String>::new(), "{method}");
                 let budget = report.budget.expect("one was given");
                 assert_eq!(budget.histogram.iter().sum::<u64>(), 64 * 64);
                 let pooled = contract.demand == Demand::Generated && !contract.crosses;
@@ -271,17 +252,17 @@ fn a_budget_chooses_the_largest_k() {
 #[test]
 fn what_is_named_deterministic_is() {
     let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
-    for (contract, k) in cases() {
+    for (method, k) in cases() {
         let reports: Vec<_> = executors()
             .into_iter()
-            .map(|exec| draw(&scene, &with(contract.name, k, exec)).report)
+            .map(|exec| draw(&scene, &with(method, k, exec)).report)
             .map(|r| (r.deterministic.clone(), serde_json::to_value(r).unwrap()))
             .collect();
         let (names, first) = &reports[0];
         assert!(names.iter().any(|n| n == "generated"));
         for (_, report) in &reports {
             for name in names {
-                assert_eq!(report[name], first[name], "{} {name}", contract.name);
+                assert_eq!(report[name], first[name], "{method} {name}");
             }
         }
     }
@@ -302,23 +283,11 @@ fn told(k: u32) -> Config {
 }
 
 /// Storage of a pixel and of the frame, in words of 4 bytes, without what stands for hardware.
-struct Storage {
-    k: u32,
-}
-
-impl Visitor for Storage {
-    type Output = Option<[u64; 2]>;
-
-    fn scheme<S: Scheme>(self) -> Option<[u64; 2]> {
-        let mut layout = Layout::default();
-        let _ = S::new(&told(self.k), &mut layout);
-        let pixel = layout.per_pixel().bytes() / 4 - layout.interlocks();
-        Some([pixel, layout.per_frame().bytes() / 4])
-    }
-
-    fn exact(self) -> Option<[u64; 2]> {
-        None
-    }
+fn storage(method: Method, k: u32) -> Option<[u64; 2]> {
+    let instance = method.instance(&told(k))?;
+    let layout = instance.layout();
+    let pixel = layout.per_pixel().bytes() / 4 - layout.interlocks();
+    Some([pixel, layout.per_frame().bytes() / 4])
 }
 
 /// A sum of products of a number and a letter, as contracts have it: `2k + 2`, `2S + G + H`.
@@ -350,12 +319,12 @@ fn formula(text: &str, contract: &Contract, k: u32) -> u64 {
 
 #[test]
 fn storage_is_what_the_formulas_say() {
-    for contract in contracts() {
+    for &method in Catalogue::built_in().methods() {
+        let contract = method.contract();
         for k in [1, 2, 8, 32].into_iter().filter(|&k| k <= contract.max_k) {
-            let words = catalogue::visit(contract.name, Storage { k }).expect("in the catalogue");
-            if let Some(words) = words {
+            if let Some(words) = storage(method, k) {
                 let said = [contract.words, contract.frame_words].map(|f| formula(f, contract, k));
-                assert_eq!(words, said, "{} k {k}", contract.name);
+                assert_eq!(words, said, "{method} k {k}");
             }
         }
     }
@@ -374,7 +343,7 @@ fn bounded_methods_need_what_their_paper_says() {
         ("kplus-heap", "2k + 2"),
     ];
     for (name, said) in table {
-        let contract = catalogue::contract(name).expect("known");
+        let contract = contract(name);
         assert_eq!(contract.published_words, Some(said), "{name}");
         assert_eq!(contract.words, said, "{name}: and ours needs no more");
     }
@@ -385,27 +354,26 @@ fn bounded_methods_need_what_their_paper_says() {
 fn one_of_every_depth_is_kept_and_the_others_are_counted() {
     let scene = scene("hairball", [128, 128]);
     for exec in [Exec::Tile, Exec::Threads] {
-        let drawn = draw(&scene, &with("depth-peel@published", Some(8), exec));
+        let drawn = draw(&scene, &with(method("depth-peel@published"), Some(8), exec));
         assert!(drawn.report.dropped["lost"] > 0, "the scene has ties");
         assert_eq!(drawn.report.violations, Vec::<String>::new());
-        let contract = catalogue::contract("depth-peel@published").expect("in the catalogue");
-        assert_eq!(drawn.lists, reference(&scene, contract, Some(8)));
-        assert_ne!(drawn.lists, draw(&scene, &options("exact", Some(8))).lists);
+        assert_eq!(drawn.kept, promised(&scene, method("depth-peel@published"), Some(8)));
+        assert_ne!(*drawn.lists().expect("lists"), lists(&scene, &options("exact", Some(8))));
     }
 }
 
 #[test]
 fn overflow_drops_by_arrival_and_is_counted() {
     let scene = scene("synthetic:n=14", [24, 24]);
-    let all = draw(&scene, &options("exact", None)).lists;
+    let all = lists(&scene, &options("exact", None));
     let sizes = all.offsets.windows(2).map(|w| w[1] - w[0]);
     let overflow: u64 = sizes.map(|f| f.saturating_sub(5)).sum();
-    let limited = cases().into_iter().filter(|(c, _)| c.keeps == Keeps::FirstArrivals);
-    let names: Vec<&str> = limited.map(|(c, _)| c.name).collect();
+    let limited = cases().into_iter().filter(|(m, _)| m.contract().keeps == Keeps::FirstArrivals);
+    let names: Vec<&str> = limited.map(|(m, _)| m.name()).collect();
     assert_eq!(names, ["ab-array", "kb-sr"]);
     for name in names {
         for exec in executors() {
-            let report = draw(&scene, &with(name, Some(5), exec)).report;
+            let report = draw(&scene, &with(method(name), Some(5), exec)).report;
             assert_eq!(report.dropped.get("overflow"), Some(&overflow), "{name}");
             assert_eq!(report.kept + overflow, report.generated);
             assert!(!report.deterministic.contains(&"image_hash".to_owned()));
@@ -417,18 +385,14 @@ fn overflow_drops_by_arrival_and_is_counted() {
 #[test]
 fn nothing_is_invented() {
     let scene = scene("cubes", [48, 40]);
-    for (contract, k) in cases().into_iter().filter(|(c, _)| !c.racy) {
-        let all = exact(&scene, contract);
-        let lists = draw(&scene, &with(contract.name, k, Exec::Threads)).lists;
+    for (method, k) in cases().into_iter().filter(|(m, _)| !m.contract().racy) {
+        let all = held_to(&scene, method, k).0;
+        let lists = lists(&scene, &with(method, k, Exec::Threads));
         for y in 0..40 {
             for x in 0..48 {
                 let (kept, generated) = (lists.pixel(x, y), all.pixel(x, y));
                 assert!(kept.is_sorted());
-                assert!(
-                    kept.iter().all(|key| generated.contains(key)),
-                    "{} {x} {y}",
-                    contract.name
-                );
+                assert!(kept.iter().all(|key| generated.contains(key)), "{} {x} {y}", method);
             }
         }
     }
@@ -483,17 +447,16 @@ fn only_equal_depths_are_confused_where_contracts_say_so() {
     let ties = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
     let (mut found, mut differ) = (0, 0);
     for scene in small_scenes().into_iter().chain([scene(ties, [120, 240])]) {
-        for (contract, k) in cases().into_iter().filter(|(c, _)| c.right_depths) {
+        for (method, k) in cases().into_iter().filter(|(m, _)| m.contract().right_depths) {
             let data = Data::Primitive;
-            let format = contract.depth_format;
-            let all = Options { depth_format: format, data, ..options("exact", None) };
-            let all = draw(&scene, &all).lists;
-            let expected = all.cut(|keys| contract.keep(keys, k));
+            let held_to = Options { data, ..with(method, k, Exec::Tile) };
+            let held_to = reference(&scene, &held_to).expect("a reference");
+            let Some(Kept::Fragments(expected)) = held_to.kept else { panic!("{method}: lists") };
             for exec in executors() {
-                let options = Options { data, ..with(contract.name, k, exec.clone()) };
-                let lists = draw(&scene, &options).lists;
-                let right = has_right_depths(&lists, &expected, &all);
-                assert!(right, "{} k {k:?} {exec:?} {}", contract.name, scene.name);
+                let options = Options { data, ..with(method, k, exec.clone()) };
+                let lists = lists(&scene, &options);
+                let right = has_right_depths(&lists, &expected, &held_to.all);
+                assert!(right, "{method} k {k:?} {exec:?} {}", scene.name);
                 found += 1;
                 differ += u32::from(lists != expected);
             }
@@ -506,7 +469,7 @@ fn only_equal_depths_are_confused_where_contracts_say_so() {
 #[test]
 fn the_battery_can_fail() {
     let scene = scene("synthetic:n=24,density=100", [5, 5]);
-    let run = |method, exec| draw(&scene, &with(method, Some(3), exec)).report;
+    let run = |name, exec| draw(&scene, &with(method(name), Some(3), exec)).report;
     let mut report = run("kplus-array", Exec::Tile);
     assert!(balances(&report));
     report.evicted += 1;
@@ -517,13 +480,13 @@ fn the_battery_can_fail() {
     assert_ne!(hashes[0], hashes[1], "were it named deterministic, it would be found");
     assert!(!racy[0].deterministic.contains(&"fragments_hash".to_owned()));
 
-    let all = exact(&scene, catalogue::contract("kb").expect("known"));
-    let cut = all.cut(|keys| keys.truncate(3));
-    let torn = draw(&scene, &with("kb", Some(3), sim(Policy::RoundRobin, 0))).lists;
+    let all = held_to(&scene, method("kb"), Some(3)).0;
+    let cut = all.cut(|_, keys| keys.truncate(3));
+    let torn = lists(&scene, &with(method("kb"), Some(3), sim(Policy::RoundRobin, 0)));
     assert!(has_right_depths(&cut, &cut, &all) && !has_right_depths(&torn, &cut, &all));
 
-    let words = catalogue::visit("kplus-array", Storage { k: 8 }).expect("in the catalogue");
-    let contract = catalogue::contract("kplus-array").expect("known");
+    let words = storage(method("kplus-array"), 8);
+    let contract = contract("kplus-array");
     assert_eq!(words.map(|w| w[0]), Some(formula("2k + 2", contract, 8)));
     for wrong in ["2k + 1", "k + 2", "2", "3k + 2"] {
         assert_ne!(words.map(|w| w[0]), Some(formula(wrong, contract, 8)), "{wrong}");

@@ -9,9 +9,9 @@
 
 mod support;
 
-use fragloom::render::{CullFace, Lists, Options, Rendering};
+use fragloom::render::{CullFace, Lists, Options};
 use fragloom::scene::{Scene, ScreenTriangle};
-use support::{draw, options, scene};
+use support::{draw, lists, options, scene};
 
 /// One surface of colour `c` and opacity `alpha`, in 128 bits, where nothing overflows.
 fn over(color: u128, transmittance: u128, alpha: u128, c: u128) -> u128 {
@@ -166,7 +166,8 @@ fn a_wrong_formula_is_seen() {
 fn every_pixel_is_its_list_by_the_formulas() {
     for scene in support::small_scenes() {
         for method in ["exact", "kplus-array"] {
-            let Rendering { image, lists, .. } = draw(&scene, &options(method, None));
+            let drawn = draw(&scene, &options(method, None));
+            let (image, lists) = (&drawn.image, drawn.lists().expect("lists"));
             for y in 0..lists.height {
                 for x in 0..lists.width {
                     let expected = expected_pixel(&scene, lists.pixel(x, y));
@@ -192,7 +193,7 @@ fn the_artificial_scene_has_n_fragments_on_its_share_of_the_pixels() {
         [([64, 64], 25.0, 1), ([101, 67], 50.0, 3), ([40, 90], 75.0, 7), ([33, 21], 100.0, 64)]
     {
         let source = format!("synthetic:n=7,density={density},tessellation={tessellation}");
-        let lists = draw(&scene(&source, size), &options("ab-ll", None)).lists;
+        let lists = lists(&scene(&source, size), &options("ab-ll", None));
         let [left, top, right, bottom] = extent(&lists);
         for y in 0..size[1] {
             for x in 0..size[0] {
@@ -219,7 +220,7 @@ fn code_of_layer(i: u64) -> u64 {
 fn the_artificial_scene_has_its_layers_in_depth_order() {
     let lists_of = |order: &str| {
         let source = format!("synthetic:n=16,order={order}");
-        draw(&scene(&source, [24, 24]), &options("ab-ll", None)).lists
+        lists(&scene(&source, [24, 24]), &options("ab-ll", None))
     };
     let lists = lists_of("random");
     let depths: Vec<u64> = lists.pixel(12, 12).iter().map(|key| key >> 32).collect();
@@ -237,7 +238,7 @@ fn opaque_surfaces_show_the_nearest_and_clear_ones_the_background() {
         assert_eq!(all.image, nearest.image, "{source}");
         for y in 0..40 {
             for x in 0..48 {
-                let first = all.lists.pixel(x, y).first().map(|&key| key as u32);
+                let first = all.lists().expect("lists").pixel(x, y).first().map(|&key| key as u32);
                 let seen = first.map(|word| pixel_of(composite([word], [0; 3])));
                 let expected = seen.unwrap_or_else(|| expected_pixel(&scene, &[]));
                 assert_eq!(all.image.pixel(x, y), expected, "{source} {x} {y}");
@@ -281,19 +282,25 @@ fn two_rectangles_counted_by_hand() {
         rectangle([6.0, 5.0, 14.0, 11.0], 0.5, RED),
     ]);
     let drawn = draw(&scene, &options("ab-ll", None));
-    let pixels_with = |n: u64| counts(&drawn.lists).into_iter().filter(|&found| found == n).count();
+    let pixels_with = |n: u64| {
+        counts(drawn.lists().expect("lists")).into_iter().filter(|&found| found == n).count()
+    };
     assert_eq!((drawn.report.generated, drawn.report.kept), (96, 96));
     assert_eq!([pixels_with(0), pixels_with(1), pixels_with(2)], [192 - 84, 72, 12]);
     // 1/2 of 2^32 - 1 is a tie, and 2^31 is even.
     let depth = 0x8000_0000_u64 << 32;
-    assert_eq!(drawn.lists.pixel(2, 2), [depth | BLUE_WORD]);
-    assert_eq!(drawn.lists.pixel(13, 10), [depth | RED_WORD]);
+    assert_eq!(drawn.lists().expect("lists").pixel(2, 2), [depth | BLUE_WORD]);
+    assert_eq!(drawn.lists().expect("lists").pixel(13, 10), [depth | RED_WORD]);
     for [x, y] in [[6, 5], [9, 5], [6, 7], [9, 7]] {
         let both = [depth | RED_WORD, depth | BLUE_WORD];
-        assert_eq!(drawn.lists.pixel(x, y), both, "equal depths stand in the order of their words");
+        assert_eq!(
+            drawn.lists().expect("lists").pixel(x, y),
+            both,
+            "equal depths stand in the order of their words"
+        );
     }
     for [x, y] in [[5, 5], [10, 7], [6, 4], [9, 8]] {
-        assert_eq!(count(&drawn.lists, x, y), 1, "{x} {y}");
+        assert_eq!(count(drawn.lists().expect("lists"), x, y), 1, "{x} {y}");
     }
 }
 
@@ -301,9 +308,9 @@ fn two_rectangles_counted_by_hand() {
 fn edges_through_pixel_centres_belong_to_one_side() {
     // Left and top edges own their centres, right and bottom edges do not.
     let alone = rectangles(&[rectangle([2.5, 2.5, 10.5, 8.5], 0.5, RED)]);
-    let lists = draw(&alone, &options("ab-ll", None)).lists;
-    assert_eq!(extent(&lists), [2, 2, 10, 8]);
-    assert_eq!(counts(&lists).into_iter().filter(|&n| n == 1).count(), 48);
+    let found = lists(&alone, &options("ab-ll", None));
+    assert_eq!(extent(&found), [2, 2, 10, 8]);
+    assert_eq!(counts(&found).into_iter().filter(|&n| n == 1).count(), 48);
     // Four rectangles around (6.5, 5.5): every pixel of 2..12 x 1..9 once.
     let around = rectangles(&[
         rectangle([2.5, 1.5, 6.5, 5.5], 0.5, RED),
@@ -311,18 +318,18 @@ fn edges_through_pixel_centres_belong_to_one_side() {
         rectangle([2.5, 5.5, 6.5, 9.5], 0.75, BLUE),
         rectangle([6.5, 5.5, 12.5, 9.5], 0.5, RED),
     ]);
-    let lists = draw(&around, &options("ab-ll", None)).lists;
-    assert_eq!(extent(&lists), [2, 1, 12, 9]);
-    assert_eq!(counts(&lists).into_iter().filter(|&n| n == 1).count(), 80);
-    assert_eq!(lists.keys.len(), 80);
-    assert_eq!(lists.pixel(6, 5)[0] as u32, RED_WORD as u32, "the lower right one has the corner");
+    let found = lists(&around, &options("ab-ll", None));
+    assert_eq!(extent(&found), [2, 1, 12, 9]);
+    assert_eq!(counts(&found).into_iter().filter(|&n| n == 1).count(), 80);
+    assert_eq!(found.entries.len(), 80);
+    assert_eq!(found.pixel(6, 5)[0] as u32, RED_WORD as u32, "the lower right one has the corner");
 }
 
 /// Fragments of front and of back faces at every pixel.
 fn faces(scene: &Scene, sub_pixel_bits: u32) -> [Vec<u64>; 2] {
     [CullFace::Back, CullFace::Front].map(|cull_face| {
         let options = Options { cull_face, sub_pixel_bits, ..options("ab-ll", None) };
-        counts(&draw(scene, &options).lists)
+        counts(&lists(scene, &options))
     })
 }
 

@@ -10,16 +10,18 @@ mod user_scheme;
 
 use std::collections::BTreeSet;
 
+use fragloom::catalogue::faults::MUTATIONS;
+use fragloom::catalogue::{self, Catalogue};
 use fragloom::explore::check::properties;
 use fragloom::explore::claims::claim_by_id;
 use fragloom::explore::matrix::{Fate, Line, matrix};
 use fragloom::explore::{
     Device, Family, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property, Row, Subject,
-    Survey, Token, Verdict, check, explore, replay, subject,
+    Survey, Token, Verdict, check, explore, replay,
 };
 use fragloom::fragment::{data_of, depth_of, key, pair_key};
 use fragloom::num::depth::{EMPTY, FARTHEST};
-use fragloom::scheme::mutation::MUTATIONS;
+use fragloom::scheme::{Held, Keys};
 use unreached::Unreached;
 use user_scheme::CasList;
 
@@ -32,10 +34,14 @@ fn fragments(variable: &str, otherwise: u32) -> u32 {
     std::env::var(variable).ok().and_then(|n| n.parse().ok()).unwrap_or(otherwise)
 }
 
+fn subject(method: &str) -> Subject {
+    Subject::new(catalogue::method(method).expect("a method")).expect("it has invocations")
+}
+
 fn survey(method: &str, memory: MemoryModel, fragments: u32) -> Survey {
     let family = Family { fragments, ks: vec![1, 2, 3], helpers: 0 };
     let device = Device { memory, warp: None };
-    Survey::new(&subject(method).expect("a method"), &family, device, &LIMITS)
+    Survey::new(&subject(method), &family, device, &LIMITS)
 }
 
 /// Every property verified, and one outcome, which is the exact one.
@@ -50,7 +56,7 @@ fn keeps_its_promise(method: &str, memory: MemoryModel, fragments: u32) {
     for (litmus, explored) in &survey.explored {
         let k = litmus.k.map_or(usize::MAX, |k| k as usize);
         let exact = |pixel| litmus.generated(pixel).into_iter().take(k).collect::<Vec<_>>();
-        let exact: Vec<Vec<u64>> = (0..litmus.pixels).map(exact).collect();
+        let exact: Vec<Held> = (0..litmus.pixels).map(exact).map(Held::Keys).collect();
         assert!(explored.outcomes.keys().eq([&exact]), "{}", litmus.describe());
     }
     for n in 1..=fragments {
@@ -79,12 +85,18 @@ fn the_max_array_keeps_the_nearest_under_every_interleaving() {
 /// Three fragments of distinct depths.
 fn three(k: Option<u32>) -> Litmus {
     let fragments = vec![(0, 0, 0x30), (0, 0x1000_0000, 0x20), (0, FARTHEST, 0x10)];
-    Litmus { pixels: 1, k, room: 3, fragments, helpers: 0, table: None }
+    Litmus { pixels: 1, k, room: 3, fragments, helpers: 0, table: None, inputs: Vec::new() }
 }
 
 fn explored(method: &str, litmus: &Litmus) -> fragloom::explore::Explored {
     let device = Device { memory: MemoryModel::Sequential, warp: None };
-    explore(&subject(method).expect("a method"), litmus, device, &LIMITS)
+    explore(&subject(method), litmus, device, &LIMITS)
+}
+
+/// The list that a pixel holds.
+fn keys(held: &Held) -> &Keys {
+    let Held::Keys(keys) = held else { panic!("it keeps lists of fragments") };
+    keys
 }
 
 /// Everything that a k-buffer with k = 2 can make of three fragments, found by a search of its own: each invocation
@@ -133,7 +145,7 @@ fn what_a_k_buffer_makes_of_three_fragments() {
     let litmus = three(Some(2));
     let explored = explored("kb", &litmus);
     let found: BTreeSet<Vec<u64>> =
-        explored.outcomes.keys().map(|lists| lists[0].clone()).collect();
+        explored.outcomes.keys().map(|pixels| keys(&pixels[0]).clone()).collect();
     let text = |list: &Vec<u64>| {
         list.iter().map(|e| format!("{:x}/{:x} ", depth_of(*e), data_of(*e))).collect::<String>()
     };
@@ -149,7 +161,7 @@ fn what_a_k_buffer_makes_of_three_fragments() {
     assert!(lost.iter().any(|one| found.contains(one)), "a fragment is lost");
     let torn = |list: &Vec<u64>| list.iter().any(|e| !generated.contains(e));
     assert!(found.iter().any(torn), "a fragment is torn");
-    let (all, first) = (&explored.violations, &explored.outcomes[&vec![nearest]]);
+    let (all, first) = (&explored.violations, &explored.outcomes[&vec![Held::Keys(nearest)]]);
     for property in [Property::Keeps, Property::Intact, Property::OneOutcome] {
         assert!(all.contains_key(&property), "{property:?}");
     }
@@ -170,10 +182,10 @@ fn shows_it_again(row: &Row) {
     let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
     assert!(token.litmus.fragments.len() <= 4, "{row:?}");
     assert_eq!((&token.method, Some(&token.property)), (&row.method, row.property.as_ref()));
-    let shown = replay::replay(&token).expect("the same operations");
+    let shown = replay::replay(&Catalogue::built_in(), &token).expect("the same operations");
     if token.property == Property::OneOutcome.name() {
         let end = shown.run.end.expect("all have ended");
-        let list = end.lists.iter().flatten();
+        let list = end.pixels.iter().flat_map(keys);
         let list = list.map(|e| format!("{:x}/{:x}", depth_of(*e), data_of(*e)));
         let list = format!("[{}]", list.collect::<Vec<_>>().join(" "));
         assert!(row.message.contains(&list), "{list}: {row:?}");
@@ -199,8 +211,10 @@ fn verdict(rows: &[Row], method: &str, memory: &str, profile: Option<&str>) -> V
 fn the_claims_have_verdicts_and_violations_have_tokens() {
     let mut violated = 0;
     for id in ["C1", "C2", "C3", "C4"] {
-        let rows =
-            claim_by_id(id).expect("a claim").check(&[], &plan(None), &LIMITS).expect("rows");
+        let rows = claim_by_id(id)
+            .expect("a claim")
+            .check(&Catalogue::built_in(), &[], &plan(None), &LIMITS)
+            .expect("rows");
         for row in &rows {
             let memory = row.profile.as_deref().unwrap_or(&row.memory);
             let property = row.property.as_deref().unwrap_or_default();
@@ -253,8 +267,10 @@ fn the_hash_table_keeps_its_promises_but_for_what_was_published() {
         ("C12", &["ha64"], &["ha64@published", "ha64@max-age"]),
     ];
     for (id, hold, fail) in expected {
-        let rows =
-            claim_by_id(id).expect("a claim").check(&[], &sequential, &LIMITS).expect("rows");
+        let rows = claim_by_id(id)
+            .expect("a claim")
+            .check(&Catalogue::built_in(), &[], &sequential, &LIMITS)
+            .expect("rows");
         for row in &rows {
             println!(
                 "{id} {}: {} in {} states; {}",
@@ -279,8 +295,10 @@ fn the_hash_table_keeps_its_promises_but_for_what_was_published() {
 /// Claims about methods that are not here have no verdict, and say so.
 #[test]
 fn a_claim_without_methods_is_undecided() {
-    let rows =
-        claim_by_id("c7").expect("a claim").check(&[], &plan(Some(1)), &LIMITS).expect("a row");
+    let rows = claim_by_id("c7")
+        .expect("a claim")
+        .check(&Catalogue::built_in(), &[], &plan(Some(1)), &LIMITS)
+        .expect("a row");
     assert_eq!((rows.len(), rows[0].verdict), (1, Verdict::Unknown));
     let message = claim_by_id("C99").expect_err("no such claim").to_string();
     assert!(message.contains("C1, C2") && message.contains("C16"), "{message}");
@@ -288,7 +306,7 @@ fn a_claim_without_methods_is_undecided() {
 
 #[test]
 fn every_fault_is_killed_and_every_control_is_green() {
-    let lines = matrix(None, &plan(None), &LIMITS);
+    let lines = matrix(&Catalogue::built_in(), None, &plan(None), &LIMITS);
     let lines = lines.expect("the matrix");
     for line in &lines {
         let kills = line.kills.iter().map(|k| format!("{}/{} in {}", k.check, k.property, k.steps));
@@ -341,7 +359,7 @@ fn rows_do_not_depend_on_the_number_of_threads() {
         pool.install(|| {
             let plan = Plan { progress: Some(Progress::ALL.to_vec()), ..plan(Some(2)) };
             let methods = ["kplus-array", "kb", "kplus-array@M1", "ab-ll@plain-head"];
-            let rows = methods.map(|name| check(&subject(name).expect("a method"), &plan, &LIMITS));
+            let rows = methods.map(|name| check(&subject(name), &plan, &LIMITS));
             rows.concat()
         })
     };
@@ -363,18 +381,21 @@ fn is_all_unknown(rows: &[Row], words: &str) {
 #[test]
 fn a_bound_that_is_hit_is_no_verdict() {
     let plan = Plan { progress: Some(Progress::ALL.to_vec()), ..plan(Some(2)) };
-    let kplus = subject("kplus-array").expect("a method");
+    let kplus = subject("kplus-array");
     let few = Limits { states: 10, cancelled: &|| false };
     is_all_unknown(&check(&kplus, &plan, &few), "a bound was hit");
     let enough = Limits { states: 5_000_000, cancelled: &|| true };
     is_all_unknown(&check(&kplus, &plan, &enough), "a bound was hit");
     for id in ["C1", "C4"] {
         let only = ["kplus-array".to_owned()];
-        let rows = claim_by_id(id).expect("a claim").check(&only, &plan, &few).expect("rows");
+        let rows = claim_by_id(id)
+            .expect("a claim")
+            .check(&Catalogue::built_in(), &only, &plan, &few)
+            .expect("rows");
         is_all_unknown(&rows, "a bound was hit");
     }
     let few = Limits { states: 2, cancelled: &|| false };
-    for line in matrix(None, &plan, &few).expect("the matrix") {
+    for line in matrix(&Catalogue::built_in(), None, &plan, &few).expect("the matrix") {
         let weak = matches!(line.fate, Fate::Green | Fate::Equivalent);
         assert!(!weak, "{line:?}");
     }

@@ -11,7 +11,7 @@ use std::task::{Context, Poll, Waker};
 use fragloom::effect::csg::Expression;
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::sim::Sim as Memory;
-use fragloom::memory::{Layout, Word};
+use fragloom::memory::{Inputs, Layout, Word};
 use fragloom::num::depth::Format;
 use fragloom::num::random::Random;
 use fragloom::raster::Grid;
@@ -24,7 +24,7 @@ use fragloom::scheme::hash::Settings;
 use fragloom::scheme::hash_coherent::HashCoherent;
 use fragloom::scheme::{Cells, Config, Keys, Outcome, Scheme};
 use proptest::prelude::*;
-use support::{draw, options, scene, sim};
+use support::{draw, lists, options, scene, sim};
 
 // ---------------------------------------------------------------------------------------------------------------------
 // A table by the book.
@@ -117,10 +117,16 @@ fn finish<F: Future>(mem: &Memory<()>, future: F) -> F::Output {
 }
 
 /// All fragments at once, stepped in a random order.
-fn run<S: Scheme>(config: &Config, fragments: &[Fragment], seed: u64) -> Ran {
+fn run<S: Scheme<Holds = Keys>>(config: &Config, fragments: &[Fragment], seed: u64) -> Ran {
     let mut layout = Layout::default();
     let scheme = S::new(config, &mut layout);
-    let mem = Memory::new(&layout, config.grid.storage_pixels(), 0xDEAD_BEEF_5EED_F00D, ());
+    let mem = Memory::new(
+        &layout,
+        config.grid.storage_pixels(),
+        Inputs::defaults(&layout),
+        0xDEAD_BEEF_5EED_F00D,
+        (),
+    );
     finish(&mem, scheme.clear_frame(&mem));
     for index in 0..scheme.invocations(0) {
         finish(&mem, scheme.frame(&mem, 0, index));
@@ -347,7 +353,7 @@ fn schedules() -> impl Iterator<Item = Exec> {
 }
 
 fn without_alike(drawn: &Rendering) -> Lists {
-    drawn.lists.cut(Vec::dedup)
+    drawn.lists().expect("lists").cut(|_, keys| keys.dedup())
 }
 
 /// The table is the same, bit for bit, and holds what the exact reference holds: for every load, on every executor, under
@@ -366,16 +372,20 @@ fn no_schedule_changes_a_table() {
         for exec in [Exec::Tile, Exec::Threads].into_iter().chain(schedules()) {
             let drawn = draw(&scene, &with("ha64", exec.clone(), Data::Primitive, loaded(load)));
             assert_eq!(drawn.report.table.as_ref(), Some(&table), "{load} {exec:?}");
-            assert_eq!(drawn.lists, triangles.lists, "{load} {exec:?}");
+            assert_eq!(
+                *drawn.lists().expect("lists"),
+                *triangles.lists().expect("lists"),
+                "{load} {exec:?}"
+            );
             assert_eq!(drawn.report.dropped, BTreeMap::new());
         }
         for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, load.into())] {
             let drawn = draw(&scene, &with("ha64", exec.clone(), Data::Color, loaded(load)));
-            assert_eq!(drawn.lists, without_alike(&colors), "{load} {exec:?}");
+            assert_eq!(*drawn.lists().expect("lists"), without_alike(&colors), "{load} {exec:?}");
             let alike = colors.report.generated - drawn.report.kept;
             assert_eq!(drawn.report.dropped.get("duplicate").copied().unwrap_or(0), alike);
             let drawn = draw(&scene, &with("ha64-multiset", exec, Data::Color, loaded(load)));
-            assert_eq!(drawn.lists, colors.lists, "{load}");
+            assert_eq!(*drawn.lists().expect("lists"), *colors.lists().expect("lists"), "{load}");
         }
     }
 }
@@ -395,7 +405,7 @@ fn no_schedule_changes_a_list() {
         for (i, exec) in all {
             let (data, lists) = &right[i / 2 % 2];
             let drawn = draw(&scene, &with("ha64", exec.clone(), *data, loaded(80)));
-            assert_eq!(drawn.lists, *lists, "{name} {exec:?}");
+            assert_eq!(*drawn.lists().expect("lists"), *lists, "{name} {exec:?}");
             let table = drawn.report.table.expect("a table").hash;
             assert_eq!(tables.entry(i / 2 % 2).or_insert_with(|| table.clone()), &table);
         }
@@ -408,15 +418,15 @@ fn of_fragments_that_are_alike_one_is_kept_and_the_others_are_counted() {
     let mut scene = scene("synthetic:n=6,tessellation=2", [40, 30]);
     scene.screen.extend_from_within(..24);
     let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, HashOptions::default()));
-    let alike = exact.report.generated - without_alike(&exact).keys.len() as u64;
+    let alike = exact.report.generated - without_alike(&exact).entries.len() as u64;
     assert!(alike > 0, "the scene has some");
     for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, 1), sim(Policy::Warp(8), 1)] {
         let drawn = draw(&scene, &with("ha64", exec.clone(), Data::Color, HashOptions::default()));
         assert_eq!(drawn.report.dropped, BTreeMap::from([("duplicate".to_owned(), alike)]));
-        assert_eq!(drawn.lists, without_alike(&exact), "{exec:?}");
+        assert_eq!(*drawn.lists().expect("lists"), without_alike(&exact), "{exec:?}");
         assert_eq!(drawn.report.violations, Vec::<String>::new());
         let all = with("ha64-multiset", exec, Data::Color, HashOptions::default());
-        assert_eq!(draw(&scene, &all).lists, exact.lists);
+        assert_eq!(lists(&scene, &all), *exact.lists().expect("lists"));
     }
 }
 
@@ -428,7 +438,7 @@ fn depths_alone_are_those_of_the_reference() {
     for load in [50, 90] {
         for exec in [Exec::Tile, Exec::Threads, sim(Policy::Pct(3), 4), sim(Policy::Random, 4)] {
             let drawn = draw(&scene, &with("ha32", exec, Data::Nothing, loaded(load)));
-            assert_eq!(drawn.lists, without_alike(&exact));
+            assert_eq!(*drawn.lists().expect("lists"), without_alike(&exact));
         }
     }
 }
@@ -436,11 +446,11 @@ fn depths_alone_are_those_of_the_reference() {
 /// The book's table for a scene's fragments.
 fn book_of(scene: &Scene, settings: &Settings) -> Book {
     let exact = with("exact", Exec::Tile, Data::Primitive, HashOptions::default());
-    let lists = draw(scene, &exact).lists;
+    let all = lists(scene, &exact);
     let mut book = Book::new(settings);
     for y in 0..scene.size[1] {
         for x in 0..scene.size[0] {
-            lists.pixel(x, y).iter().for_each(|&key| book.insert((x, y), rank64(key)));
+            all.pixel(x, y).iter().for_each(|&key| book.insert((x, y), rank64(key)));
         }
     }
     book
@@ -474,19 +484,19 @@ fn an_age_limit_and_a_full_table_lose_what_is_named() {
             assert_eq!(drawn.report.dropped, named, "{exec:?}");
             assert_eq!(drawn.report.violations, Vec::<String>::new());
             assert_eq!(drawn.report.table, first.report.table, "{exec:?}");
-            assert_eq!(lost(&scene, &drawn.lists), missing, "{exec:?}");
+            assert_eq!(lost(&scene, drawn.lists().expect("lists")), missing, "{exec:?}");
         }
     }
 }
 
 /// Which fragments a list lacks.
-fn lost(scene: &Scene, lists: &Lists) -> Vec<((u32, u32), u64)> {
+fn lost(scene: &Scene, found: &Lists) -> Vec<((u32, u32), u64)> {
     let exact = with("exact", Exec::Tile, Data::Primitive, HashOptions::default());
-    let all = draw(scene, &exact).lists;
+    let all = lists(scene, &exact);
     let mut missing = Vec::new();
     for y in 0..scene.size[1] {
         for x in 0..scene.size[0] {
-            let kept = lists.pixel(x, y);
+            let kept = found.pixel(x, y);
             let gone = all.pixel(x, y).iter().filter(|key| !kept.contains(key));
             missing.extend(gone.map(|&key| ((x, y), rank64(key))));
         }
@@ -575,7 +585,7 @@ fn without_a_threshold_all_is_kept() {
     let hash = HashOptions { threshold: 1.0, ..HashOptions::default() };
     let drawn = draw(&scene, &with("ha64-cull", Exec::Threads, Data::Color, hash));
     let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, HashOptions::default()));
-    assert_eq!(drawn.lists, without_alike(&exact));
+    assert_eq!(*drawn.lists().expect("lists"), without_alike(&exact));
     let opaque = HashOptions { threshold: 0.4, ..HashOptions::default() };
     let drawn = draw(&scene, &with("ha64-cull", Exec::Tile, Data::Color, opaque)).report;
     assert_eq!((drawn.kept, drawn.culled), (24 * 24, 8 * 24 * 24), "half of the light is enough");

@@ -66,7 +66,7 @@ fn fragments(depths: &[u32]) -> Vec<Fragment> {
 }
 
 /// One thread per group of fragments; all of one pixel. Afterwards it must hold the exact answer.
-fn insertion<S: Scheme + Send + 'static>(
+fn insertion<S: Scheme<Holds = Keys>>(
     config: Config,
     groups: &[&[u32]],
     patience: u32,
@@ -109,7 +109,7 @@ fn insertion<S: Scheme + Send + 'static>(
             thread.join().expect("a thread that does not panic");
         }
         let mut keys = Keys::new();
-        Pipeline::resolve(&*scheme, &mem, 0, &mut keys);
+        complete(scheme.resolve(&mem, 0, &mut keys));
         sort::canonical(&mut keys);
         assert_eq!(keys, expected, "{WRONG}");
     }

@@ -11,7 +11,7 @@ use fragloom::explore::{Device, Limits, Litmus, MemoryModel, Profile, Property, 
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Update, Words};
 
-use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use fragloom::scheme::{Config, Contract, Held, Keys, Outcome, Scheme};
 
 /// The models, in the order of the table's columns.
 const MODELS: [MemoryModel; 4] = [
@@ -578,6 +578,8 @@ impl Scheme for Threads {
         ..Contract::BASE_ALL
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let program = &PROGRAMS[config.k.expect("a program's number") as usize];
         Self {
@@ -652,20 +654,22 @@ fn observe(number: usize, memory: MemoryModel) -> Observed {
         fragments: (0..threads).map(|t| (0, t, t)).collect(),
         helpers: 0,
         table: None,
+        inputs: Vec::new(),
     };
     let device = Device { memory, warp: None };
     let limits = Limits { states: 2_000_000, cancelled: &|| false };
     let explored = explore(&Subject::of::<Threads>(), &litmus, device, &limits);
     assert!(explored.complete, "{}, {memory}: {} states", program.name, explored.states);
     Observed {
-        results: explored.outcomes.keys().map(|lists| result(program, &lists[0])).collect(),
+        results: explored.outcomes.keys().map(|pixels| result(program, &pixels[0])).collect(),
         race: explored.violations.contains_key(&Property::RaceFree),
         states: explored.states,
     }
 }
 
 /// A result as the table writes it.
-fn result(program: &Program, keys: &[u64]) -> String {
+fn result(program: &Program, held: &Held) -> String {
+    let Held::Keys(keys) = held else { panic!("it keeps a list") };
     let digit = |value: u32| match value {
         0..=9 => char::from_digit(value, 10).expect("a digit"),
         GREATER => 'g',

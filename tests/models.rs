@@ -3,13 +3,11 @@
 
 mod support;
 
-use fragloom::num::depth::Format;
-use fragloom::render::{Data, Exec, Options, Policy, Rendering, Report, Sim};
-use fragloom::scene::Scene;
-use fragloom::scheme::catalogue::contract;
+use fragloom::catalogue::Catalogue;
+use fragloom::exec::Method;
+use fragloom::render::{Exec, Options, Policy, Report, Sim, reference};
 use fragloom::scheme::contract::Keeps;
-use fragloom::scheme::{Contract, Form, contracts};
-use support::{draw, model, options};
+use support::{draw, method, model};
 
 fn executors() -> [Exec; 3] {
     let sim = Sim {
@@ -23,17 +21,6 @@ fn executors() -> [Exec; 3] {
     [Exec::Tile, Exec::Threads, Exec::Sim(sim)]
 }
 
-fn drawn(
-    scene: &Scene,
-    method: &str,
-    k: Option<u32>,
-    exec: Exec,
-    (depth, data): (Format, Data),
-) -> Rendering {
-    let depth_format = Some(depth);
-    draw(scene, &Options { exec, depth_format, data, counters: false, ..options(method, k) })
-}
-
 fn balances(report: &Report) -> bool {
     let dropped: u64 = report.dropped.values().sum();
     report.generated + report.duplicated + report.torn
@@ -41,22 +28,21 @@ fn balances(report: &Report) -> bool {
 }
 
 /// These methods on every executor balance, and give what the oracle gives if their contract says so.
-fn check(name: &str, methods: &[&'static Contract]) {
+fn check(name: &str, methods: &[Method]) {
     let Some(scene) = model(name, [256, 256]) else { return };
-    let words = (Format::D32, Data::Color);
-    let generated = drawn(&scene, "exact", None, Exec::Tile, words).report.generated;
+    let plain = Options { counters: false, threads: 2, ..Options::default() };
+    let generated = draw(&scene, &plain.exact(None)).report.generated;
     // The ribbons are much thinner than a pixel here.
     assert!(generated > 5_000, "{name}: {generated}");
-    for contract in methods {
-        let k = contract.default_k;
-        let data = contract.data.unwrap_or_default();
-        let words = (contract.depth_format.unwrap_or_default(), data);
-        let exact = drawn(&scene, "exact", contract.reference_k(k), Exec::Tile, words);
-        let expected = exact.lists.cut(|keys| contract.keep(keys, k));
+    for &method in methods {
+        let contract = method.contract();
+        let options = Options { method, k: contract.default_k, ..plain.clone() };
+        let expected = reference(&scene, &options).expect("a reference").kept;
+        let exact = draw(&scene, &options.exact(contract.reference_k(options.k)));
         for exec in executors() {
-            let found = drawn(&scene, contract.name, k, exec, words);
-            let (lists, found) = (found.lists, found.report);
-            let what = format!("{name} {} {}", contract.name, found.exec);
+            let found = draw(&scene, &Options { exec, ..options.clone() });
+            let (kept, found) = (found.kept, found.report);
+            let what = format!("{name} {method} {}", found.exec);
             assert_eq!(found.generated, generated, "{what}");
             assert!(balances(&found) && found.violations.is_empty(), "{what}: {found:?}");
             // Published forms that keep one of every depth, or lose some, say so.
@@ -64,7 +50,7 @@ fn check(name: &str, methods: &[&'static Contract]) {
             if !contract.order_independent() || partly {
                 continue;
             }
-            assert!(lists == expected, "{what}");
+            assert!(Some(&kept) == expected.as_ref(), "{what}");
             // Of fragments that are alike, one is kept by contract.
             if contract.identical {
                 assert_eq!(found.image_hash, exact.report.image_hash, "{what}");
@@ -75,14 +61,14 @@ fn check(name: &str, methods: &[&'static Contract]) {
 
 /// One method of each kind.
 fn check_some(name: &str) {
-    let some = ["ab-ll", "kplus-array", "z-buffer"].map(|name| contract(name).expect("known"));
+    let some = ["ab-ll", "kplus-array", "z-buffer"].map(method);
     check(name, &some);
 }
 
 /// All of them.
 fn check_all(name: &str) {
-    let all = contracts().into_iter().filter(|c| c.form != Form::Mutation && c.name != "exact");
-    check(name, &all.collect::<Vec<_>>());
+    let catalogue = Catalogue::built_in();
+    check(name, &catalogue.promised().collect::<Vec<_>>());
 }
 
 #[test]

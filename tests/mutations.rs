@@ -6,16 +6,16 @@ mod support;
 use std::cell::Cell;
 
 use fragloom::exec::drive::{Pipeline, complete};
+use fragloom::exec::interpret::Interpreted;
 use fragloom::fragment::{Fragment, key};
-use fragloom::memory::Layout;
+use fragloom::memory::Inputs;
 use fragloom::memory::arena::{Owned, Shared};
 use fragloom::memory::exclusive::Exclusive;
 use fragloom::num::depth::FARTHEST;
 use fragloom::render::{Exec, Options, Policy, Rendering};
 use fragloom::scene::Scene;
-use fragloom::scheme::catalogue::{self, Visitor};
-use fragloom::scheme::{Config, Keys, Outcome, Scheme};
-use support::{draw, options, scene, sim};
+use fragloom::scheme::{Config, Held, Keys, Outcome};
+use support::{draw, lists, method, options, scene, sim};
 
 const SEEDS: u64 = 12;
 
@@ -35,8 +35,10 @@ fn random(scene: &Scene, method: &str, k: Option<u32>, seed: u64) -> Rendering {
 
 /// How many of the seeds give lists other than the exact ones.
 fn wrong_seeds(scene: &Scene, method: &str, k: Option<u32>) -> usize {
-    let exact = draw(scene, &options("exact", k)).lists;
-    (0..SEEDS).filter(|&seed| random(scene, method, k, seed).lists != exact).count()
+    let exact = lists(scene, &options("exact", k));
+    (0..SEEDS)
+        .filter(|&seed| *random(scene, method, k, seed).lists().expect("lists") != exact)
+        .count()
 }
 
 #[test]
@@ -104,36 +106,25 @@ fn a_bound_test_that_is_off_by_one_is_caught() {
     assert!(wrong.torn > 0 && wrong.dropped["lost"] > 0, "{wrong:?}");
 }
 
-/// One pixel on memory that one thread owns: what became of its fragments, and what it holds.
-struct Pixel<'a> {
-    config: Config,
-    fragments: &'a [(u32, u32)],
-}
-
-impl Visitor for Pixel<'_> {
-    type Output = (Vec<Outcome>, Keys);
-
-    fn scheme<S: Scheme>(self) -> Self::Output {
-        let mut layout = Layout::default();
-        let scheme = S::new(&self.config, &mut layout);
-        let pixel = Owned::new(layout.per_pixel(), 1);
-        let global = Shared::new(layout.per_frame(), 1);
-        let next = Cell::new(0);
-        let mem = Exclusive::new(&pixel, &global, Some(&next), &());
-        Pipeline::clear(&scheme, &mem, 0..1);
-        let store = |&(depth, data)| {
-            complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, rank: 0 }))
-        };
-        let outcomes = self.fragments.iter().map(store).collect();
-        let mut keys = Keys::new();
-        Pipeline::resolve(&scheme, &mem, 0, &mut keys);
-        keys.sort_unstable();
-        (outcomes, keys)
-    }
-
-    fn exact(self) -> Self::Output {
-        unreachable!("it has no memory")
-    }
+/// One pixel on memory that one thread owns: what became of its fragments, what it holds, and how often a word was used
+/// that is none of the method's.
+fn run(method: &str, config: &Config, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys, u64) {
+    let instance = self::method(method).instance(config).expect("it has memory");
+    let inputs = Inputs::defaults(instance.layout());
+    let scheme = Interpreted { instance: &*instance, inputs: &inputs };
+    let pixel = Owned::new(instance.layout().per_pixel(), 1);
+    let global = Shared::new(instance.layout().per_frame(), 1);
+    let next = Cell::new(0);
+    let mem = Exclusive::new(&pixel, &global, &inputs, &()).taking(Some(&next));
+    scheme.clear(&mem, 0..1);
+    let store =
+        |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, rank: 0 }));
+    let outcomes = fragments.iter().map(store).collect();
+    let mut held = Held::Keys(Keys::new());
+    scheme.resolve(&mem, 0, &mut held);
+    let Held::Keys(mut keys) = held else { panic!("it keeps lists") };
+    keys.sort_unstable();
+    (outcomes, keys, pixel.outside() + global.outside())
 }
 
 fn pixel(method: &str, generated: u64, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys) {
@@ -146,7 +137,9 @@ fn pixel(method: &str, generated: u64, fragments: &[(u32, u32)]) -> (Vec<Outcome
         pages: 8,
         ..Config::default()
     };
-    catalogue::visit(method, Pixel { config, fragments }).expect("a method")
+    let (outcomes, keys, outside) = run(method, &config, fragments);
+    assert_eq!(outside, 0, "{method}");
+    (outcomes, keys)
 }
 
 /// M9: of equal depths, the two smallest data words are the nearest.
@@ -181,8 +174,7 @@ fn a_full_pool_is_refused() {
 fn a_full_pool_of_pages_is_refused() {
     let fragments: Vec<(u32, u32)> = (0..10).map(|i| (i, 0)).collect();
     let config = Config { pixels: 1, pages: 2, ..Config::default() };
-    let pixel = Pixel { config, fragments: &fragments };
-    let (outcomes, keys) = catalogue::visit("ab-ll-paged", pixel).expect("a method");
+    let (outcomes, keys, _) = run("ab-ll-paged", &config, &fragments);
     assert_eq!(outcomes[..8], [Outcome::Kept; 8]);
     assert_eq!(outcomes[8..], [Outcome::Pool; 2]);
     assert!(keys.into_iter().eq((0..8).map(|depth| key(depth, 0))));
@@ -190,9 +182,14 @@ fn a_full_pool_of_pages_is_refused() {
 
 /// M14 of the pool, which is as large as the scene: it takes one that is not.
 #[test]
-#[should_panic(expected = "index out of bounds")]
 fn a_pool_bound_that_is_off_by_one_is_caught() {
-    let _ = pixel("ab-ll@M14", 2, &[(3, 0), (2, 0), (1, 0)]);
+    let outside = |method, fragments: &[_]| {
+        let config = Config { pixels: 1, generated: 2, ..Config::default() };
+        run(method, &config, fragments).2
+    };
+    let three = [(3, 0), (2, 0), (1, 0)];
+    assert!(outside("ab-ll@M14", &three) > 0);
+    assert_eq!([outside("ab-ll@M14", &three[1..]), outside("ab-ll", &three)], [0, 0]);
 }
 
 /// The published max-array writes the new fragment into entry 0 before it finds the farthest; an unlocked reader in
@@ -227,8 +224,8 @@ fn kb_loses_fragments_reproducibly_by_seed() {
 /// Few invocations in flight: the fewer, the less is lost; one at a time, nothing.
 #[test]
 fn kb_loses_nothing_without_overlap() {
-    let exact = draw(&crowded(), &options("exact", Some(4))).lists;
+    let exact = lists(&crowded(), &options("exact", Some(4)));
     let one = fragloom::render::Sim { resident: 1, ..fragloom::render::Sim::default() };
     let exec = Exec::Sim(one);
-    assert_eq!(draw(&crowded(), &Options { exec, ..options("kb", Some(4)) }).lists, exact);
+    assert_eq!(lists(&crowded(), &Options { exec, ..options("kb", Some(4)) }), exact);
 }

@@ -2,11 +2,12 @@
 //! and testing GPU workgroup progress models", OOPSLA 2021, Table 1), reconvergence of warps, helper invocations, and
 //! marks that claim too much.
 
+use fragloom::catalogue;
 use fragloom::explore::check::termination;
 use fragloom::explore::progress::ends;
 use fragloom::explore::{
     Device, Explored, Limits, Litmus, MemoryModel, Plan, Progress, Property, Row, Subject, Token,
-    Verdict, check, explore, replay, subject,
+    Verdict, check, explore, replay,
 };
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
@@ -14,6 +15,10 @@ use fragloom::num::depth::FARTHEST;
 
 use fragloom::scheme::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+fn subject(method: &str) -> Subject {
+    Subject::new(catalogue::method(method).expect("a method")).expect("it has invocations")
+}
 
 const LIMITS: Limits<'static> = Limits { states: 2_000_000, cancelled: &|| false };
 
@@ -100,6 +105,8 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
         exact_when: "",
         ..Contract::BASE_ALL
     };
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
@@ -199,7 +206,7 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
 
 fn instance(n: u32, k: Option<u32>) -> Litmus {
     let fragments = (0..n).map(|i| (0, FARTHEST, i)).collect();
-    Litmus { pixels: 1, k, room: n, fragments, helpers: 0, table: None }
+    Litmus { pixels: 1, k, room: n, fragments, helpers: 0, table: None, inputs: Vec::new() }
 }
 
 /// Under which models an idiom ends.
@@ -290,7 +297,6 @@ fn a_check_says_which_lock_hangs_a_warp() {
 #[test]
 fn an_unbounded_spin_under_lockstep_is_found() {
     let (right, wrong) = (subject("kplus-array"), subject("kplus-array@M19"));
-    let (right, wrong) = (right.expect("a method"), wrong.expect("a method"));
     let plan = plan(&[Progress::Fair], 0);
     let rows = termination(&right, &plan, &LIMITS);
     assert!(rows.iter().all(|row| row.verdict == Verdict::Verified), "{rows:?}");
@@ -307,9 +313,7 @@ fn a_helper_may_never_get_the_lock() {
     hangs(&subject, row(&rows, "obe"));
     hangs(&subject, row(&rows, "fair"));
     assert!(row(&rows, "fair").instance.contains("helpers=1"), "{rows:?}");
-    for with_helper in
-        [Subject::of::<Waits<NO_WAIT>>(), self::subject("z-buffer").expect("a method")]
-    {
+    for with_helper in [Subject::of::<Waits<NO_WAIT>>(), self::subject("z-buffer")] {
         let rows = termination(&with_helper, &plan(&[Progress::Fair], 1), &LIMITS);
         assert!(rows.iter().all(|row| row.verdict == Verdict::Verified), "{rows:?}");
     }
@@ -321,7 +325,7 @@ fn a_helper_changes_nothing() {
     let memory = vec![MemoryModel::Sequential];
     let plan = Plan { simt: false, memory, fragments: Some(3), ks: vec![1, 2], ..plan(&[], 1) };
     for method in ["kplus-array", "z-buffer", "ab-ll", "ab-array"] {
-        let rows = check(&subject(method).expect("a method"), &plan, &LIMITS);
+        let rows = check(&subject(method), &plan, &LIMITS);
         assert!(rows.len() > 5, "{rows:?}");
         for row in rows {
             assert_eq!(row.verdict, Verdict::Verified, "{row:?}");

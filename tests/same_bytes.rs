@@ -4,11 +4,12 @@
 
 mod support;
 
+use fragloom::catalogue::Catalogue;
+use fragloom::exec::Method;
 use fragloom::fragment::Data;
 use fragloom::num::depth::Format;
 use fragloom::render::{Exec, Options};
 use fragloom::scheme::contract::Form;
-use fragloom::scheme::contracts;
 use support::{draw, options, policies, scene, sim, small_scenes};
 
 /// All ways to run.
@@ -26,8 +27,9 @@ fn configurations() -> Vec<(usize, u32, Exec)> {
 
 #[test]
 fn whatever_runs_it() {
-    let methods =
-        contracts().into_iter().filter(|c| c.order_independent() && c.form == Form::Correct);
+    let catalogue = Catalogue::built_in();
+    let methods = catalogue.contracts();
+    let methods = methods.filter(|c| c.order_independent() && c.form == Form::Correct);
     let mut runs = 0;
     for contract in methods {
         for scene in small_scenes() {
@@ -57,10 +59,14 @@ fn other_depth_formats_and_data_words() {
                 data,
                 ..options("kplus-array", Some(4))
             };
-            let exact = draw(&scene, &Options { method: "exact".to_owned(), ..base.clone() });
+            let exact = draw(&scene, &Options { method: Method::EXACT, ..base.clone() });
             for exec in [Exec::Tile, Exec::Threads, sim(fragloom::render::Policy::Random, 3)] {
                 let drawn = draw(&scene, &Options { exec, ..base.clone() });
-                assert_eq!(drawn.lists, exact.lists, "{depth_format:?} {data:?}");
+                assert_eq!(
+                    *drawn.lists().expect("lists"),
+                    *exact.lists().expect("lists"),
+                    "{depth_format:?} {data:?}"
+                );
                 assert_eq!(drawn.image, exact.image, "{depth_format:?} {data:?}");
             }
         }
@@ -77,7 +83,13 @@ fn primitive_words_give_the_same_picture() {
     assert!(color.report.kept > 1_000);
     // Fragments of equal depth stand in the order of their data words, which differ; everything else is the same.
     let differing = color.image.pixels.iter().zip(&primitive.image.pixels).filter(|(a, b)| a != b);
-    let ties = color.lists.keys.windows(2).filter(|w| w[0] >> 32 == w[1] >> 32).count();
+    let ties = color
+        .lists()
+        .expect("lists")
+        .entries
+        .windows(2)
+        .filter(|w| w[0] >> 32 == w[1] >> 32)
+        .count();
     assert!(differing.count() <= ties, "only ties may differ");
 }
 
@@ -97,7 +109,7 @@ fn a_recorded_schedule_runs_again_exactly() {
             let again = Sim { policy: Policy::Recorded(schedule.clone()), ..recording };
             let second = draw(&scene, &Options { exec: Exec::Sim(again), ..base });
             assert_eq!(second.schedule.as_ref(), Some(&schedule), "{method}");
-            assert_eq!(second.lists, first.lists, "{method}");
+            assert_eq!(*second.lists().expect("lists"), *first.lists().expect("lists"), "{method}");
             assert_eq!(second.image, first.image, "{method}");
             assert_eq!(second.report.counters, first.report.counters, "{method}");
         }
@@ -136,7 +148,7 @@ fn a_schedule_of_another_run_is_refused() {
 #[test]
 fn a_method_that_depends_on_schedules_is_seen() {
     let scene = scene("synthetic:n=24,density=100", [5, 5]);
-    let hashes: std::collections::BTreeSet<String> = configurations()
+    let hashes: std::collections::BTreeSet<Option<String>> = configurations()
         .into_iter()
         .map(|(threads, tile, exec)| Options { threads, tile, exec, ..options("kb", Some(3)) })
         .map(|options| draw(&scene, &options).report.fragments_hash)

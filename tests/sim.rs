@@ -2,12 +2,13 @@
 
 mod support;
 
+use fragloom::catalogue::Catalogue;
 use fragloom::explore::minimise::minimise_scene;
 use fragloom::explore::replay::replay;
 use fragloom::explore::{Limits, Token};
 use fragloom::render::{Exec, Options, Policy, Rendering, Sim};
 use fragloom::scene::Scene;
-use support::{draw, options, scene, sim, small_scenes};
+use support::{draw, lists, options, scene, sim, small_scenes};
 
 /// Layers in random order on few pixels, so that invocations of a pixel overlap.
 fn crowded() -> Scene {
@@ -21,11 +22,11 @@ fn under(method: &str, policy: Policy, seed: u64) -> Rendering {
 #[test]
 fn priorities_lose_nothing_that_must_stay() {
     for scene in small_scenes() {
-        let exact = draw(&scene, &options("exact", Some(3))).lists;
+        let exact = lists(&scene, &options("exact", Some(3)));
         for depth in [1, 3, 20] {
             let exec = sim(Policy::Pct(depth), 5);
             let drawn = draw(&scene, &Options { exec, ..options("kplus-array", Some(3)) });
-            assert_eq!(drawn.lists, exact, "{} pct:{depth}", scene.name);
+            assert_eq!(*drawn.lists().expect("lists"), exact, "{} pct:{depth}", scene.name);
         }
     }
 }
@@ -34,7 +35,10 @@ fn priorities_lose_nothing_that_must_stay() {
 fn priorities_find_what_a_race_loses_and_a_seed_repeats_it() {
     let lost = |seed| {
         let drawn = under("kb", Policy::Pct(3), seed);
-        assert_eq!(drawn.lists, under("kb", Policy::Pct(3), seed).lists);
+        assert_eq!(
+            *drawn.lists().expect("lists"),
+            *under("kb", Policy::Pct(3), seed).lists().expect("lists")
+        );
         drawn.report.dropped.get("lost").copied().unwrap_or(0)
     };
     let lost: Vec<u64> = (0..24).map(lost).collect();
@@ -46,11 +50,11 @@ fn priorities_find_what_a_race_loses_and_a_seed_repeats_it() {
 #[test]
 fn a_missing_barrier_shows() {
     let scene = scene("synthetic:n=6,density=100", [16, 16]);
-    let exact = draw(&scene, &options("exact", Some(3))).lists;
+    let exact = lists(&scene, &options("exact", Some(3)));
     // The whole scene in flight: a lock that was not cleared yet looks taken, which hides most of what could go wrong.
     let is_right = |method, seed| {
         let exec = Exec::Sim(Sim { seed, resident: 4_096, ..Sim::default() });
-        draw(&scene, &Options { exec, ..options(method, Some(3)) }).lists == exact
+        lists(&scene, &Options { exec, ..options(method, Some(3)) }) == exact
     };
     for method in ["kplus-array@M17", "kplus-array@M17-resolve"] {
         assert!((0..6).any(|seed| !is_right(method, seed)), "{method}");
@@ -61,7 +65,7 @@ fn a_missing_barrier_shows() {
 /// Where passes overlap, the steps told are still those of stores alone.
 #[test]
 fn a_pixel_is_watched_where_passes_overlap() {
-    let exact = draw(&crowded(), &options("exact", None)).lists;
+    let exact = lists(&crowded(), &options("exact", None));
     for method in ["kplus-array", "kplus-array@M17", "kplus-array@M17-resolve"] {
         let exec = Exec::Sim(Sim { resident: 96, watch: Some([1, 3]), ..Sim::default() });
         let drawn = draw(&crowded(), &Options { exec, ..options(method, Some(3)) });
@@ -82,15 +86,15 @@ fn a_watched_pixel_is_told_fragment_by_fragment() {
         let settings = Sim { resident: 96, watch: Some(pixel), ..Sim::default() };
         let exec = Exec::Sim(settings);
         let drawn = draw(&scene, &Options { exec, ..options(method, Some(3)) });
-        (drawn.watched.expect("it was asked for"), drawn.lists)
+        (drawn.watched.expect("it was asked for"), drawn.kept)
     };
-    let exact = draw(&scene, &options("exact", None)).lists;
+    let exact = lists(&scene, &options("exact", None));
     for pixel in [[0, 0], [4, 2]] {
-        let (told, lists) = watched(pixel, "kplus-array");
+        let (told, kept) = watched(pixel, "kplus-array");
         let mut keys: Vec<u64> = told.fragments.iter().map(|f| f.key()).collect();
         keys.sort_unstable();
         assert_eq!(keys, exact.pixel(pixel[0], pixel[1]));
-        assert_eq!(lists, draw(&scene, &options("exact", Some(3))).lists);
+        assert_eq!(kept, draw(&scene, &options("exact", Some(3))).kept);
         let steps = |i: u32| told.steps.iter().filter(|&&s| s == i).count();
         assert!((0..24).all(|i| steps(i) >= 2), "each performs operations: {:?}", told.steps);
     }
@@ -121,7 +125,7 @@ fn a_scene_that_fails_is_cut_down_to_a_pixel() {
             Token::Litmus(token.clone())
         );
         assert!(n <= most, "{method}: {}", token.litmus.describe());
-        let replayed = replay(&token).expect("it is what it was made of");
+        let replayed = replay(&Catalogue::built_in(), &token).expect("it is what it was made of");
         assert!(replayed.run.violations().any(|(p, _)| p.name() == token.property));
     }
     let fine = Options { exec: sim(Policy::Random, 0), ..options("kplus-array", Some(2)) };

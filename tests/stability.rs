@@ -1,14 +1,12 @@
 //! The stability matrix: what each method's result is seen to depend on is what its contract declares.
 
+use fragloom::catalogue::{Catalogue, method};
 use fragloom::explore::stability::{Stability, derive, derive_one};
-use fragloom::scheme::contract::Form;
-use fragloom::scheme::{catalogue, contracts};
 
 #[test]
 fn what_is_seen_is_what_contracts_declare() {
-    let rows = derive().expect("the scenes can be drawn");
-    let methods = contracts().into_iter().filter(|c| c.form != Form::Mutation);
-    assert_eq!(rows.len(), methods.count() - 1, "all but the reference");
+    let rows = derive(&Catalogue::built_in()).expect("the scenes can be drawn");
+    assert_eq!(rows.len(), Catalogue::built_in().promised().count());
     let wrong: Vec<&Stability> = rows.iter().filter(|row| !row.agrees()).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     let seen = |name: &str| rows.iter().find(|row| row.method == name).expect("a row");
@@ -25,10 +23,10 @@ fn what_is_seen_is_what_contracts_declare() {
 /// Negative control: a contract that declares too little is found.
 #[test]
 fn a_contract_that_declares_too_little_is_found() {
-    let mut row = derive_one(catalogue::contract("kb").expect("known")).expect("drawn");
+    let mut row = derive_one(method("kb").expect("known")).expect("drawn");
     assert!(row.agrees());
     row.declared = [false, false];
     assert!(!row.agrees());
-    let fault = derive_one(catalogue::contract("kplus-heap@M9").expect("known")).expect("drawn");
+    let fault = derive_one(method("kplus-heap@M9").expect("known")).expect("drawn");
     assert!(!fault.agrees(), "its contract, made for checks of races, says nothing of arrival");
 }

@@ -1,9 +1,14 @@
 //! Tokens: whatever happens to one on its way, it is refused with a reason, or it is the one that was sent.
 
-use fragloom::explore::{Limits, Plan, Row, Token, check, replay, subject};
+use fragloom::catalogue::{self, Catalogue};
+use fragloom::explore::{Limits, Plan, Row, Subject, Token, check, replay};
 use proptest::prelude::*;
 
 const LIMITS: Limits<'static> = Limits { states: 1_000_000, cancelled: &|| false };
+
+fn subject(method: &str) -> Subject {
+    Subject::new(catalogue::method(method).expect("a method")).expect("it has invocations")
+}
 
 fn small() -> Plan {
     Plan { fragments: Some(2), ks: vec![1, 2], ..Plan::default() }
@@ -13,7 +18,7 @@ fn small() -> Plan {
 fn tokens() -> &'static [String] {
     static TOKENS: std::sync::OnceLock<Vec<String>> = std::sync::OnceLock::new();
     TOKENS.get_or_init(|| {
-        let of = |method: &str| check(&subject(method).expect("a method"), &small(), &LIMITS);
+        let of = |method: &str| check(&subject(method), &small(), &LIMITS);
         let methods = ["kb", "kplus-array@M1", "kplus-array@M19", "ab-ll@M14"];
         let rows: Vec<Row> = methods.into_iter().flat_map(of).collect();
         rows.into_iter().filter_map(|row| row.token).collect()
@@ -34,7 +39,7 @@ fn a_token_is_what_was_sent() {
         assert_eq!(format!(" {text}\n").parse::<Token>().expect("blanks do not matter"), token);
         let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
         assert!(!token.schedule().is_empty());
-        replay::replay(&token).expect("it runs again");
+        replay::replay(&Catalogue::built_in(), &token).expect("it runs again");
     }
     println!(
         "{} tokens, the longest of {:?} characters",
@@ -87,12 +92,12 @@ fn what_is_no_token_says_why() {
 /// The same schedule, of a method that does something else by now.
 #[test]
 fn a_token_of_a_method_that_has_changed_is_refused() {
-    let rows = check(&subject("kplus-array@M1").expect("a method"), &small(), &LIMITS);
+    let rows = check(&subject("kplus-array@M1"), &small(), &LIMITS);
     let text = rows.iter().find_map(|row| row.token.clone()).expect("a token");
     let Ok(Token::Litmus(token)) = text.parse() else { panic!("a token of a litmus pixel") };
-    replay::replay(&token).expect("unchanged");
+    replay::replay(&Catalogue::built_in(), &token).expect("unchanged");
     for other in ["kplus-array", "kplus-array@M1-relaxed", "kb", "z-buffer"] {
-        let other = subject(other).expect("a method");
+        let other = subject(other);
         let refused = replay::replay_of(&other, &token).expect_err("other operations").to_string();
         println!("{refused}");
         assert!(
@@ -102,7 +107,7 @@ fn a_token_of_a_method_that_has_changed_is_refused() {
     }
     let mut unknown = token.clone();
     unknown.method = "no-such-method".to_owned();
-    assert!(replay::replay(&unknown).is_err());
+    assert!(replay::replay(&Catalogue::built_in(), &unknown).is_err());
 }
 
 proptest! {

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use super::flags::Output;
 use super::{Verdict, say, values, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::render::{Data, Exec, Options, render};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene, Shading};
-use crate::scheme::contract::Contract;
 
 /// Scenes that are timed where none is named.
 const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottles"];
@@ -95,7 +96,7 @@ struct Row {
 ///
 /// # Errors
 /// Wrong options or scenes, or no device where one was asked for.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     if !(1..=1_000).contains(&args.repeats) {
         let problem = format!("is {}, but must be 1 to 1000", args.repeats);
         return Err(Error::new("--repeats", problem));
@@ -109,11 +110,8 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
         [] => SCENES.map(str::to_owned).to_vec(),
         named => named.to_vec(),
     };
-    let contracts: Vec<&Contract> = args
-        .methods
-        .iter()
-        .map(|name| super::catalogue::find("-m", name))
-        .collect::<Result<_>>()?;
+    let methods = args.methods.iter().map(|name| catalogue.find("-m", name));
+    let methods: Vec<Method> = methods.collect::<Result<_>>()?;
     let scenes: Vec<Scene> =
         named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
     let mut rows = Vec::new();
@@ -121,14 +119,14 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     let devices =
         if args.gpu { super::crosscheck::devices(args.adapter.as_deref())? } else { Vec::new() };
     for scene in &scenes {
-        for contract in &contracts {
-            let message = format!("timing {} on {}", contract.name, scene.name);
+        for &method in &methods {
+            let message = format!("timing {method} on {}", scene.name);
             let timed = wait::during(args.output.quiet, &message, || {
                 #[cfg(feature = "gpu")]
                 if args.gpu {
-                    return devices::rows(args, scene, contract, &devices);
+                    return devices::rows(args, scene, method, &devices);
                 }
-                rows_of(args, scene, contract)
+                rows_of(args, scene, method)
             })?;
             rows.extend(timed);
         }
@@ -138,9 +136,9 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::Clean)
 }
 
-fn options(args: &Args, contract: &Contract, exec: Exec, sub_pixel_bits: u32) -> Options {
+fn options(args: &Args, method: Method, exec: Exec, sub_pixel_bits: u32) -> Options {
     Options {
-        method: contract.name.to_owned(),
+        method,
         k: args.k,
         exec,
         sub_pixel_bits,
@@ -150,11 +148,11 @@ fn options(args: &Args, contract: &Contract, exec: Exec, sub_pixel_bits: u32) ->
     }
 }
 
-fn rows_of(args: &Args, scene: &Scene, contract: &Contract) -> Result<Vec<Row>> {
+fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Row>> {
     [Exec::Tile, Exec::Threads]
         .into_iter()
         .map(|exec| {
-            let options = options(args, contract, exec, 8);
+            let options = options(args, method, exec, 8);
             let runs: Vec<Run> =
                 (0..args.repeats).map(|_| once(scene, &options)).collect::<Result<_>>()?;
             Ok(row(&runs))
@@ -250,27 +248,26 @@ fn table(rows: &[Row]) -> String {
 mod devices {
     //! By turns with devices.
 
-    use super::{Args, Contract, Exec, Result, Row, Run, Scene, median, once, options, row};
+    use super::{Args, Exec, Method, Result, Row, Run, Scene, median, once, options, row};
     use crate::gpu::band::Picture;
     use crate::gpu::crosscheck::find;
     use crate::gpu::failure::Failure;
     use crate::gpu::open::Opened;
     use crate::gpu::race::Contender;
-    use crate::scheme::catalogue;
 
     pub(super) fn rows(
         args: &Args,
         scene: &Scene,
-        contract: &Contract,
+        method: Method,
         devices: &[Opened],
     ) -> Result<Vec<Row>> {
-        let twin = find(catalogue::contract(contract.name)?.name)?;
+        let twin = find(method)?;
         let mut rows = Vec::new();
         for opened in devices {
             let picture = Picture::new(scene, opened.bits());
             let contender = Contender::new(&opened.device, &picture, twin, args.k);
             for exec in [Exec::Tile, Exec::Threads] {
-                let options = options(args, contract, exec, opened.bits());
+                let options = options(args, method, exec, opened.bits());
                 let mut runs = Vec::new();
                 let mut failed = None;
                 let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {

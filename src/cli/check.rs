@@ -4,18 +4,18 @@ use std::fs;
 
 use super::flags::Output;
 use super::interrupt::Interrupt;
-use super::{Verdict, catalogue, say, values, wait};
+use super::{Verdict, say, values, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::explore::claims::claim_by_id;
 use crate::explore::expect::{self, Expectation};
 use crate::explore::{
     Device, Executions, Limits, MemoryModel, Plan, Profile, Progress, Row, Subject, Survey, check,
-    cut, matrix, properties, sampled, subject,
+    cut, matrix, properties, sampled,
 };
 use crate::render::{Exec, Options, Sim};
 use crate::report::{json, verdicts};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::{Form, contracts};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -118,19 +118,19 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options, an unknown method, claim or fault, or a scene that cannot be drawn.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let plan = plan(args)?;
     let expected = args.expect.as_deref().map(read_expectations).transpose()?;
     let interrupt = Interrupt::watch();
     let cancelled = || interrupt.pressed();
     let limits = Limits { states: args.max_states, cancelled: &cancelled };
     if args.mutations || args.mutation.is_some() {
-        return mutations(args, &plan, &limits);
+        return mutations(catalogue, args, &plan, &limits);
     }
     if args.outcomes {
-        return outcomes(args, &plan, &limits);
+        return outcomes(catalogue, args, &plan, &limits);
     }
-    let rows = rows(args, &plan, &limits)?;
+    let rows = rows(catalogue, args, &plan, &limits)?;
     let text = if args.output.json { json::document(&rows)? } else { verdicts::table(&rows) };
     say::result(&text)?;
     if interrupt.pressed() {
@@ -158,16 +158,17 @@ fn read_expectations(path: &str) -> Result<Vec<Expectation>> {
     expect::parse(path, &text)
 }
 
-fn rows(args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
+fn rows(catalogue: &Catalogue, args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
     let quiet = args.output.quiet;
     if let Some(id) = &args.claim {
         let claim = claim_by_id(id)?;
-        names(args, false)?;
+        subjects(catalogue, args, false)?;
         let message = format!("checking {}", claim.id);
-        return wait::during(quiet, &message, || claim.check(&args.methods, plan, limits));
+        return wait::during(quiet, &message, || {
+            claim.check(catalogue, &args.methods, plan, limits)
+        });
     }
-    let subjects: Vec<Subject> =
-        names(args, true)?.into_iter().map(|name| subject(&name)).collect::<Result<_>>()?;
+    let subjects = subjects(catalogue, args, true)?;
     if let Some(name) = &args.scene {
         let overrides = Overrides {
             size: args.size.as_deref().map(values::size).transpose()?,
@@ -182,19 +183,16 @@ fn rows(args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
     Ok(wait::during(quiet, "checking", || subjects.iter().flat_map(check).collect()))
 }
 
-/// The methods asked for, by name.
-fn names(args: &Args, needed: bool) -> Result<Vec<String>> {
+/// The methods asked for.
+fn subjects(catalogue: &Catalogue, args: &Args, needed: bool) -> Result<Vec<Subject>> {
     if args.all {
-        let promised =
-            contracts().into_iter().filter(|c| c.form != Form::Mutation && c.name != "exact");
-        return Ok(promised.map(|c| c.name.to_owned()).collect());
+        return catalogue.promised().map(Subject::new).collect();
     }
     if args.methods.is_empty() && needed {
         let problem = "is missing: name a method (see `fragloom methods`), or give --all, --claim or --mutations";
         return Err(Error::new("METHOD", problem));
     }
-    let find = |name: &String| Ok(catalogue::find("METHOD", name)?.name.to_owned());
-    args.methods.iter().map(find).collect()
+    args.methods.iter().map(|name| Subject::new(catalogue.find("METHOD", name)?)).collect()
 }
 
 fn on_scene(
@@ -207,13 +205,9 @@ fn on_scene(
 ) -> Result<Vec<Row>> {
     let policy = values::schedule(&args.schedule)?;
     let sim = Sim { policy, seed: args.seed, resident: args.resident, ..Sim::default() };
-    let options = Options {
-        method: subject.contract.name.to_owned(),
-        k: args.k,
-        exec: Exec::Sim(sim),
-        ..Options::default()
-    };
-    options.check(subject.contract)?;
+    let options =
+        Options { method: subject.method, k: args.k, exec: Exec::Sim(sim), ..Options::default() };
+    options.check()?;
     if args.executions == 0 {
         return Err(Error::new("--executions", "is 0, but must be at least 1"));
     }
@@ -236,9 +230,14 @@ fn on_scene(
     Ok(rows)
 }
 
-fn mutations(args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Verdict> {
+fn mutations(
+    catalogue: &Catalogue,
+    args: &Args,
+    plan: &Plan,
+    limits: &Limits<'_>,
+) -> Result<Verdict> {
     let only = args.mutation.as_deref();
-    let run = || matrix::matrix(only, plan, limits);
+    let run = || matrix::matrix(catalogue, only, plan, limits);
     let lines = wait::during(args.output.quiet, "checking faults", run)?;
     let text = if args.output.json { json::document(&lines)? } else { verdicts::matrix(&lines) };
     say::result(&text)?;
@@ -246,10 +245,14 @@ fn mutations(args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Verdict> {
     Ok(if right { Verdict::Clean } else { Verdict::Found })
 }
 
-fn outcomes(args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Verdict> {
+fn outcomes(
+    catalogue: &Catalogue,
+    args: &Args,
+    plan: &Plan,
+    limits: &Limits<'_>,
+) -> Result<Verdict> {
     let mut rows = Vec::new();
-    for name in names(args, true)? {
-        let subject = subject(&name)?;
+    for subject in subjects(catalogue, args, true)? {
         let memories = plan.memory.iter();
         let of = |&memory: &MemoryModel| Survey::outcomes(&subject, plan, memory, limits);
         rows.extend(memories.flat_map(of));

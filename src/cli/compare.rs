@@ -13,14 +13,16 @@ use std::path::{Path, PathBuf};
 use self::row::Row;
 use super::flags::{Drawing, Output};
 use super::settings::resolve;
-use super::{Verdict, catalogue, say, wait};
+use super::{Verdict, say, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::image::{difference, png, sheet};
 use crate::num::depth::Format;
 use crate::render::{Data, Exec, Options, Rendering, render};
 use crate::report::{files, json};
 use crate::scene::{self, Scene};
-use crate::scheme::{Contract, Form, Keeps, contracts};
+use crate::scheme::{Form, Keeps};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -52,13 +54,15 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
-    let methods = methods(args)?;
-    let reference = catalogue::find("--reference", &args.reference)?;
-    let mut settings = resolve(&args.drawing, reference.name, false)?;
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    let methods = methods(catalogue, args)?;
+    let reference = catalogue.find("--reference", &args.reference)?;
+    let mut settings = resolve(&args.drawing, reference, false)?;
     settings.options.counters = false;
     if settings.options.depth_format.is_none() {
-        settings.options.depth_format = Some(common_format(&methods, reference));
+        let all = methods.iter().chain([&reference]);
+        let fixed = all.map(|method| method.contract().depth_format);
+        settings.options.depth_format = Some(common_format(fixed));
     }
     if let Some(folder) = &args.folder {
         files::check_folder("-o", folder)?;
@@ -69,7 +73,7 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     warnings.iter().for_each(|warning| say::warning(warning));
     let options = settings.options;
     let mut session = Session { scene, options, warnings, quiet, references: BTreeMap::new() };
-    let rows = methods.iter().map(|method| session.compare(method, args.folder.as_deref()));
+    let rows = methods.iter().map(|&method| session.compare(method, args.folder.as_deref()));
     let rows: Vec<Row> = rows.collect::<Result<_>>()?;
     let text = if args.output.json { json::document(&rows)? } else { row::table(&rows) };
     say::result(&text)?;
@@ -88,17 +92,17 @@ fn complain(row: &Row, known: &[String]) {
 }
 
 /// The methods typed, or all correct ones but the reference.
-fn methods(args: &Args) -> Result<Vec<&'static Contract>> {
+fn methods(catalogue: &Catalogue, args: &Args) -> Result<Vec<Method>> {
     if !args.methods.is_empty() {
-        return args.methods.iter().map(|name| catalogue::find("-m", name)).collect();
+        return args.methods.iter().map(|name| catalogue.find("-m", name)).collect();
     }
-    let wanted =
-        |contract: &&Contract| contract.form == Form::Correct && contract.name != args.reference;
-    Ok(contracts().into_iter().filter(wanted).collect())
+    let wanted = |m: &Method| m.contract().form == Form::Correct && m.name() != args.reference;
+    Ok(catalogue.methods().iter().copied().filter(wanted).collect())
 }
 
-fn common_format(methods: &[&Contract], reference: &Contract) -> Format {
-    let fixed = methods.iter().copied().chain([reference]).filter_map(|it| it.depth_format);
+/// The coarsest format that any of them fixes.
+fn common_format(fixed: impl Iterator<Item = Option<Format>>) -> Format {
+    let fixed = fixed.flatten();
     let coarseness = |format: &Format| Format::ALL.iter().position(|known| known == format);
     fixed.max_by_key(coarseness).unwrap_or_default()
 }
@@ -116,29 +120,33 @@ struct Session {
 }
 
 impl Session {
-    fn compare(&mut self, method: &Contract, folder: Option<&Path>) -> Result<Row> {
-        let options = Options { method: method.name.to_owned(), ..self.options.clone() };
+    fn compare(&mut self, method: Method, folder: Option<&Path>) -> Result<Row> {
+        let contract = method.contract();
+        let options = Options { method, ..self.options.clone() };
         let drawn = self.draw(&options)?;
         let k = self.held_to(method, drawn.report.k);
-        let data = method.data.unwrap_or(self.options.data);
+        let data = options.record().data;
         self.prepare(None, data)?;
         self.prepare(k, data)?;
         let (all, same) = (&self.references[&(None, data)], &self.references[&(k, data)]);
-        let mut row = Row::new(method.name, &self.options.method, k, &drawn);
+        let mut row = Row::new(method.name(), self.options.method.name(), k, &drawn);
         row.warnings.retain(|warning| !self.warnings.contains(warning));
         row.warnings.splice(..0, self.warnings.iter().cloned());
-        row.lists_equal = match method.keeps {
+        row.lists_equal = match (drawn.kept.fragments(), same.kept.fragments()) {
             // What may be missing was judged by the run itself, fragment by fragment.
-            Keeps::Visible => drawn.report.violations.is_empty(),
-            _ if method.identical => drawn.lists == same.lists,
-            _ => drawn.lists == same.lists.cut(Vec::dedup),
+            _ if contract.keeps == Keeps::Visible => drawn.report.violations.is_empty(),
+            (Some(own), Some(same)) if contract.identical => own == same,
+            (Some(own), Some(same)) => *own == same.cut(|_, keys| keys.dedup()),
+            // Without lists, the pictures are all there is.
+            _ => true,
         };
-        row.may_look_different =
-            method.keeps == Keeps::Visible || drawn.report.dropped.contains_key("duplicate");
+        row.may_look_different = contract.keeps == Keeps::Visible
+            || drawn.kept.fragments().is_none()
+            || drawn.report.dropped.contains_key("duplicate");
         row.from_reference = difference::measure(&same.image, &drawn.image)?;
         row.from_all = difference::measure(&all.image, &drawn.image)?;
         if let Some(folder) = folder {
-            let path = folder.join(format!("compare-{}.png", method.name));
+            let path = folder.join(format!("compare-{method}.png"));
             let picture = sheet::compose(&row.labels(&self.scene.name), &all.image, &drawn.image)?;
             let bytes = png::encode(&picture)
                 .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
@@ -149,8 +157,12 @@ impl Session {
 
     /// The reference's k for a method that ran with `k`, which a memory budget may have chosen; the reference itself is
     /// held to what was typed.
-    fn held_to(&self, method: &Contract, k: Option<u32>) -> Option<u32> {
-        if method.name == self.options.method { self.options.k } else { method.reference_k(k) }
+    fn held_to(&self, method: Method, k: Option<u32>) -> Option<u32> {
+        if method == self.options.method {
+            self.options.k
+        } else {
+            method.contract().reference_k(k)
+        }
     }
 
     /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it. A budget is for
@@ -180,11 +192,11 @@ mod tests {
 
     #[test]
     fn the_coarsest_fixed_format_wins() {
-        let with = |depth_format| Contract { depth_format, ..*contracts()[0] };
-        let [free, f32, d24] = [None, Some(Format::F32), Some(Format::D24)].map(with);
-        assert_eq!(common_format(&[&free], &free), Format::D32);
-        assert_eq!(common_format(&[&free, &f32], &free), Format::F32);
-        assert_eq!(common_format(&[&d24, &f32], &free), Format::D24);
-        assert_eq!(common_format(&[&free], &d24), Format::D24);
+        let [free, f32, d24] = [None, Some(Format::F32), Some(Format::D24)];
+        let common = |fixed: [Option<Format>; 3]| common_format(fixed.into_iter());
+        assert_eq!(common([free, free, free]), Format::D32);
+        assert_eq!(common([free, f32, free]), Format::F32);
+        assert_eq!(common([d24, f32, free]), Format::D24);
+        assert_eq!(common([free, free, d24]), Format::D24);
     }
 }

@@ -5,6 +5,7 @@ mod litmus;
 use std::collections::BTreeMap;
 
 use super::{Verdict, say, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::gpu::band::Picture;
 use crate::gpu::compare::Differences;
@@ -12,10 +13,10 @@ use crate::gpu::crosscheck::{self, Options, Path, Row, Status};
 use crate::gpu::device::Device;
 use crate::gpu::failure::Failure;
 use crate::gpu::open;
+use crate::gpu::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::{Contract, catalogue};
 
 /// Scenes that are compared where none is named.
 const SCENES: [&str; 9] = [
@@ -106,8 +107,8 @@ enum Order {
 ///
 /// # Errors
 /// Wrong options or scenes, or there is no adapter.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
-    let options = options(args)?;
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    let options = options(catalogue, args)?;
     if args.litmus {
         return litmus::run(args, &options);
     }
@@ -135,7 +136,11 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
         }
         rows.extend(own);
     }
-    say::result(&if args.output.json { json::document(&rows)? } else { summary(&rows) })?;
+    say::result(&if args.output.json {
+        json::document(&rows)?
+    } else {
+        summary(catalogue, &rows)
+    })?;
     for row in rows.iter().filter(|row| row.is_finding) {
         say::violation(&format!(
             "{}: {} on {}, {} path: {}",
@@ -169,17 +174,14 @@ pub(super) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>> {
     Ok(found.opened)
 }
 
-fn options(args: &Args) -> Result<Options> {
+fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     let mut options = Options { k: args.k, ..Options::default() };
     if args.k == Some(0) {
         return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
     }
     if !args.methods.is_empty() {
-        let name = |method: &String| {
-            let contract = super::catalogue::find("-m", method)?;
-            crosscheck::find(contract.name).map(|twin| twin.method)
-        };
-        options.methods = args.methods.iter().map(name).collect::<Result<_>>()?;
+        let twin = |name: &String| crosscheck::find(catalogue.find("-m", name)?);
+        options.twins = args.methods.iter().map(twin).collect::<Result<_>>()?;
     }
     if let Some(path) = args.path {
         options.paths = vec![match path {
@@ -188,8 +190,8 @@ fn options(args: &Args) -> Result<Options> {
         }];
     }
     options.shuffle = (args.order == Order::Shuffled).then_some(args.seed);
-    for method in &options.methods {
-        let most = catalogue::contract(method)?.max_k;
+    for method in options.twins.iter().map(|twin| twin.method) {
+        let most = method.contract().max_k;
         if let Some(k) = args.k.filter(|&k| k > most) {
             let problem = format!("is {k}, but {method} keeps at most {most} fragments");
             return Err(Error::new("-k", problem));
@@ -210,7 +212,7 @@ fn compare(
     devices: &[open::Opened],
     options: &Options,
 ) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for bits in [8, 4] {
         let own: Vec<&open::Opened> = devices.iter().filter(|d| d.bits() == bits).collect();
         if own.is_empty() {
@@ -223,9 +225,8 @@ fn compare(
             let message = format!("drawing {} on {}", scene.name, opened.device.name.name);
             let device: &Device = &opened.device;
             let allowed = opened.paths(options);
-            rows.extend(wait::during(quiet, &message, || {
-                crosscheck::run(device, scene, &picture, bits, &allowed)
-            })?);
+            let draw = || crosscheck::run(device, scene, &picture, bits, &allowed);
+            rows.extend(wait::during(quiet, &message, draw));
             if let Some(failure) = opened.no_raster(options) {
                 rows.extend(without_raster(scene, opened, options, bits, &failure));
             }
@@ -244,10 +245,10 @@ fn without_raster(
 ) -> Vec<Row> {
     let name = opened.device.name.clone();
     let (status, is_finding, reason) = crosscheck::failed(failure);
-    let row = |method: &&'static str| Row {
+    let row = |twin: &Twin| Row {
         adapter: name.name.clone(),
         driver: name.driver.clone(),
-        method: (*method).to_owned(),
+        method: twin.method.name().to_owned(),
         scene: scene.name.clone(),
         size: scene.size,
         path: Path::Raster,
@@ -259,11 +260,11 @@ fn without_raster(
         reason: reason.clone(),
         is_finding,
     };
-    options.methods.iter().map(row).collect()
+    options.twins.iter().map(row).collect()
 }
 
 /// What was compared, in all: by adapter and path, and whether the result may depend on the schedule.
-fn summary(rows: &[Row]) -> String {
+fn summary(catalogue: &Catalogue, rows: &[Row]) -> String {
     use Align::{Left, Right};
     let heading = [
         "adapter",
@@ -284,7 +285,8 @@ fn summary(rows: &[Row]) -> String {
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     let group = |row: &Row| {
-        let fixed = catalogue::contract(&row.method).is_ok_and(Contract::order_independent);
+        let method = catalogue.find("-m", &row.method);
+        let fixed = method.is_ok_and(|method| method.contract().order_independent());
         (row.adapter.clone(), row.driver.clone(), row.sub_pixel_bits, !fixed, row.path)
     };
     let mut groups: BTreeMap<_, Vec<&Row>> = BTreeMap::new();

@@ -1,12 +1,13 @@
 //! `fragloom methods`: the catalogue, from the contracts.
 
 use super::{Verdict, say, wait};
+use crate::catalogue::Catalogue;
 use crate::error::Result;
 use crate::explore::stability::{self, Stability};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scheme::contract::Program;
-use crate::scheme::{Contract, Form, contracts};
+use crate::scheme::{Contract, Form};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -25,11 +26,11 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     if args.stability {
-        return stability(args);
+        return stability(catalogue, args);
     }
-    let mut contracts = contracts();
+    let mut contracts: Vec<&Contract> = catalogue.contracts().collect();
     if !args.all && !args.json {
         contracts.retain(|contract| contract.form != Form::Mutation);
     }
@@ -39,8 +40,8 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
 }
 
 /// Print the stability matrix. A contract that declares something else than was seen is a finding.
-fn stability(args: &Args) -> Result<Verdict> {
-    let rows = wait::during(args.json, "drawing", stability::derive)?;
+fn stability(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    let rows = wait::during(args.json, "drawing", || stability::derive(catalogue))?;
     let text = if args.json { json::document(&rows)? } else { matrix(&rows) };
     say::result(&text)?;
     Ok(if rows.iter().all(Stability::agrees) { Verdict::Clean } else { Verdict::Found })

@@ -7,7 +7,6 @@
 #[cfg(feature = "gpu")]
 mod adapters;
 mod bench;
-mod catalogue;
 mod check;
 mod claims;
 mod compare;
@@ -33,6 +32,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
+use crate::catalogue::Catalogue;
 use crate::error::Result;
 
 /// A bit-exact CPU rasterizer that runs multi-fragment shaders as concurrent programs.
@@ -88,14 +88,14 @@ enum Verdict {
     Found,
 }
 
-/// The whole program: reads the process's arguments and gives its exit code.
+/// The whole program, with the methods of a catalogue: reads the process's arguments and gives its exit code.
 #[must_use]
-pub fn main() -> ExitCode {
+pub fn main(catalogue: &Catalogue) -> ExitCode {
     let cli = match parse(std::env::args_os()) {
         Ok(cli) => cli,
         Err(code) => return code,
     };
-    match run(&cli.command) {
+    match run(catalogue, &cli.command) {
         Ok(Verdict::Clean) => ExitCode::SUCCESS,
         Ok(Verdict::Found) => ExitCode::from(1),
         Err(error) => {
@@ -111,20 +111,20 @@ pub fn command() -> clap::Command {
     Cli::command()
 }
 
-fn run(command: &Command) -> Result<Verdict> {
+fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
     match command {
-        Command::Render(args) => render::run(args),
-        Command::Compare(args) => compare::run(args),
-        Command::Check(args) => check::run(args),
-        Command::Replay(args) => replay::run(args),
-        Command::Bench(args) => bench::run(args),
+        Command::Render(args) => render::run(catalogue, args),
+        Command::Compare(args) => compare::run(catalogue, args),
+        Command::Check(args) => check::run(catalogue, args),
+        Command::Replay(args) => replay::run(catalogue, args),
+        Command::Bench(args) => bench::run(catalogue, args),
         #[cfg(feature = "gpu")]
-        Command::Crosscheck(args) => crosscheck::run(args),
+        Command::Crosscheck(args) => crosscheck::run(catalogue, args),
         #[cfg(feature = "gpu")]
         Command::Adapters(args) => adapters::run(args),
         Command::Reproduce(args) => reproduce::run(args),
         Command::Claims(args) => claims::run(args),
-        Command::Methods(args) => methods::run(args),
+        Command::Methods(args) => methods::run(catalogue, args),
         Command::Mutations(args) => mutations::run(args),
         Command::Scenes(args) => scenes::run(args),
     }

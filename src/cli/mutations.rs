@@ -1,10 +1,10 @@
 //! `fragloom mutations`: the faults that are built in, and the methods that have them.
 
 use super::{Verdict, say};
+use crate::catalogue::faults::{MUTATIONS, Mutation};
 use crate::error::Result;
 use crate::report::json;
 use crate::report::text::{Align, columns};
-use crate::scheme::mutation::{MUTATIONS, Mutation};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {

@@ -6,7 +6,8 @@ use super::effects::Effects;
 use super::flags::{Drawing, Output};
 use super::frames::{self, Frames};
 use super::settings::{Settings, resolve};
-use super::{Verdict, catalogue, say, wait};
+use super::{Verdict, say, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::image::png;
 use crate::render::{Rendering, render};
@@ -56,9 +57,9 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
-    let contract = catalogue::find("-m", &args.method)?;
-    let mut settings = resolve(&args.drawing, contract.name, args.record.is_some())?;
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    let method = catalogue.find("-m", &args.method)?;
+    let mut settings = resolve(&args.drawing, method, args.record.is_some())?;
     args.effects.resolve(args.drawing.data, &mut settings.options)?;
     check_outputs(args)?;
     let single: Vec<&str> = outputs(args)
@@ -125,14 +126,15 @@ fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<(
         files::write_bytes(path, &bytes)?;
     }
     if let Some(path) = &args.fragments {
-        files::write(path, |file| npz::write(file, &rendering.lists))?;
+        let written = npz::Written::of(&rendering.kept, &rendering.report.method)?;
+        files::write(path, |file| written.write(file))?;
     }
     if let (Some(path), Some(surfaces)) = (&args.effects.surfaces, &rendering.surfaces) {
         files::write(path, |file| npz::write(file, surfaces))?;
     }
     if let Some(path) = &args.effects.ldi {
-        let voxels = rendering.voxels.as_ref();
-        files::write(path, |file| npz::write_ldi(file, &rendering.lists, voxels))?;
+        let (lists, voxels) = (rendering.lists()?, rendering.voxels.as_ref());
+        files::write(path, |file| npz::write_ldi(file, lists, voxels))?;
     }
     if let Some(path) = &args.record {
         let schedule = rendering.schedule.as_ref();

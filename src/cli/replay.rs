@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::flags::Output;
 use super::interrupt::Interrupt;
 use super::{Verdict, say, values, wait};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::explore::minimise::{minimise_litmus, minimise_scene};
 use crate::explore::replay::{Replay, replay};
@@ -42,24 +43,29 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// A token that is damaged, of another version, or of something that has changed since.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let token: Token = args.token.parse()?;
     let interrupt = Interrupt::watch();
     let cancelled = || interrupt.pressed();
     let limits = Limits { states: 2_000_000, cancelled: &cancelled };
     match token {
-        Token::Litmus(token) => litmus(args, &token, &limits),
-        Token::Scene(token) => scene(args, &token, &limits),
+        Token::Litmus(token) => litmus(catalogue, args, &token, &limits),
+        Token::Scene(token) => scene(catalogue, args, &token, &limits),
     }
 }
 
-fn litmus(args: &Args, token: &LitmusToken, limits: &Limits<'_>) -> Result<Verdict> {
+fn litmus(
+    catalogue: &Catalogue,
+    args: &Args,
+    token: &LitmusToken,
+    limits: &Limits<'_>,
+) -> Result<Verdict> {
     let mut token = token.clone();
     if args.minimise {
-        let smaller = || minimise_litmus(&token, limits);
+        let smaller = || minimise_litmus(catalogue, &token, limits);
         token = wait::during(args.output.quiet, "minimising", smaller)?;
     }
-    let replayed = wait::during(args.output.quiet, "replaying", || replay(&token))?;
+    let replayed = wait::during(args.output.quiet, "replaying", || replay(catalogue, &token))?;
     let text = if args.output.json {
         json::document(&document(&token, &replayed))?
     } else {
@@ -134,17 +140,22 @@ fn document(token: &LitmusToken, replayed: &Replay) -> serde_json::Value {
     })
 }
 
-fn scene(args: &Args, token: &SceneToken, limits: &Limits<'_>) -> Result<Verdict> {
+fn scene(
+    catalogue: &Catalogue,
+    args: &Args,
+    token: &SceneToken,
+    limits: &Limits<'_>,
+) -> Result<Verdict> {
     let overrides = Overrides { size: Some(token.size), ..Overrides::default() };
     let quiet = args.output.quiet;
     let scene = wait::during(quiet, "loading", || scene::load(&token.scene, &overrides))?;
-    let options = options(token)?;
+    let options = options(catalogue, token)?;
     if args.trace && !args.minimise {
         let problem = "is for pixels: --minimise cuts a scene's token down to one";
         return Err(Error::new("--trace", problem));
     }
     let drawn = wait::during(quiet, "replaying", || render(&scene, &options))?;
-    if drawn.report.fragments_hash != token.fragments_hash {
+    if drawn.report.fragments_hash.as_deref().unwrap_or_default() != token.fragments_hash {
         let problem = "the token's scene or method has changed since: it gives other fragments";
         return Err(Error::new("TOKEN", problem));
     }
@@ -157,6 +168,7 @@ fn scene(args: &Args, token: &SceneToken, limits: &Limits<'_>) -> Result<Verdict
         let cut = || minimise_scene(&scene, &options, limits);
         let smaller = wait::during(quiet, "minimising", cut)?;
         return litmus(
+            catalogue,
             &Args { token: String::new(), minimise: true, out: None, ..args.copy() },
             &smaller,
             limits,
@@ -181,18 +193,17 @@ fn report(args: &Args, scene: &Scene, drawn: &Rendering) -> Result<Verdict> {
     Ok(if wrong || !drawn.report.violations.is_empty() { Verdict::Found } else { Verdict::Clean })
 }
 
-fn options(token: &SceneToken) -> Result<Options> {
+fn options(catalogue: &Catalogue, token: &SceneToken) -> Result<Options> {
     let policy = values::schedule(&token.schedule)?;
     let resident = usize::try_from(token.resident).unwrap_or(usize::MAX);
     let sim = Sim { policy, seed: token.seed, resident, ..Sim::default() };
-    let method = super::catalogue::find("TOKEN", &token.method)?;
     let options = Options {
-        method: token.method.clone(),
+        method: catalogue.find("TOKEN", &token.method)?,
         k: token.k,
         exec: Exec::Sim(sim),
         ..Options::default()
     };
-    options.check(method)?;
+    options.check()?;
     Ok(options)
 }
 

@@ -3,6 +3,7 @@
 use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Offsets, Shading, Sort};
 use super::values;
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::num::depth::Format;
 use crate::render::{self, HashOptions, Options, Policy, Sim};
 use crate::scene::{self, Overrides};
@@ -25,14 +26,14 @@ pub(super) struct Settings {
 ///
 /// # Errors
 /// The option that is wrong, and what would be right.
-pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Settings> {
+pub(super) fn resolve(typed: &Drawing, method: Method, record: bool) -> Result<Settings> {
     if typed.k == Some(0) {
         return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
     }
     one_of("--tile", typed.tile, &[16, 32, 64])?;
     one_of("--sub-pixel-bits", typed.sub_pixel_bits, &[8, 4])?;
     let options = Options {
-        method: method.to_owned(),
+        method,
         k: typed.k,
         exec: exec(typed, record)?,
         threads: typed.threads,
@@ -49,6 +50,7 @@ pub(super) fn resolve(typed: &Drawing, method: &str, record: bool) -> Result<Set
             .as_deref()
             .map(|text| values::bytes("--memory-budget", text))
             .transpose()?,
+        inputs: Vec::new(),
         hash: hash(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
@@ -193,14 +195,14 @@ mod tests {
 
     fn settings(line: &str) -> Result<Settings> {
         let words = std::iter::once("test").chain(line.split_whitespace());
-        resolve(&Line::try_parse_from(words).unwrap().drawing, "exact", line.contains("warp"))
+        resolve(&Line::try_parse_from(words).unwrap().drawing, Method::EXACT, line.contains("warp"))
     }
 
     #[test]
     fn defaults() {
         let settings = settings("").unwrap();
         let options = settings.options;
-        assert_eq!((options.method.as_str(), options.k, options.threads), ("exact", None, 0));
+        assert_eq!((options.method.name(), options.k, options.threads), ("exact", None, 0));
         assert_eq!((options.exec, options.tile), (render::Exec::Tile, 64));
         assert_eq!((options.sub_pixel_bits, options.depth_format), (8, None));
         assert_eq!((options.data, options.cull_face), Default::default());

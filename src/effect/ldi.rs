@@ -67,7 +67,7 @@ impl Voxels {
         inside.par_chunks_mut(plane.max(1)).enumerate().for_each(|(slice, voxels)| {
             let centre = (slice as f64 + 0.5) / f64::from(slices);
             for (voxel, ends) in voxels.iter_mut().zip(lists.offsets.windows(2)) {
-                let keys = &lists.keys[ends[0] as usize..ends[1] as usize];
+                let keys = &lists.entries[ends[0] as usize..ends[1] as usize];
                 let before = keys.partition_point(|&key| format.decode(depth_of(key)) < centre);
                 *voxel = (before % 2) as u8;
             }
@@ -85,8 +85,9 @@ impl Voxels {
 /// The picture of what is solid, and its voxels if they are asked for.
 pub(super) fn draw(stage: &Stage<'_>, slices: Option<u32>) -> Made {
     let lists = stage.lists;
-    let pixels =
-        || lists.offsets.par_windows(2).map(|ends| &lists.keys[ends[0] as usize..ends[1] as usize]);
+    let pixels = || {
+        lists.offsets.par_windows(2).map(|ends| &lists.entries[ends[0] as usize..ends[1] as usize])
+    };
     let thickness = |keys: &[u64]| {
         let pairs = keys.chunks_exact(2).map(|pair| {
             stage.format.decode(depth_of(pair[1])) - stage.format.decode(depth_of(pair[0]))

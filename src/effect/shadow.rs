@@ -38,10 +38,10 @@ impl ShadowMap {
     /// A map for a view, from `lists` of colour words that `light`, a parallel view, gave; `bias` in world units.
     #[must_use]
     pub fn new(view: Lens, light: &Camera, format: Format, lists: Lists, bias: f64) -> Self {
-        let mut behind = Vec::with_capacity(lists.keys.len());
+        let mut behind = Vec::with_capacity(lists.entries.len());
         for ends in lists.offsets.windows(2) {
             let mut left = [65_535; 3];
-            for &key in &lists.keys[ends[0] as usize..ends[1] as usize] {
+            for &key in &lists.entries[ends[0] as usize..ends[1] as usize] {
                 left = through(left, data_of(key));
                 behind.push(left);
             }
@@ -80,7 +80,7 @@ impl Attenuation for ShadowMap {
         let pixel = y as usize * self.lists.width as usize + x as usize;
         let ends = [pixel, pixel + 1].map(|p| self.lists.offsets[p] as usize);
         let limit = distance - self.bias;
-        let before = self.lists.keys[ends[0]..ends[1]]
+        let before = self.lists.entries[ends[0]..ends[1]]
             .partition_point(|&key| self.light.along(depth_of(key)) < limit);
         before.checked_sub(1).map_or(all, |last| self.behind[ends[0] + last])
     }

@@ -16,8 +16,10 @@ use crate::scheme::visible::is_hidden;
 pub struct Tally {
     /// Fragments of one geometry pass.
     pub generated: u64,
-    /// Entries in the resolved lists.
+    /// Entries in the resolved lists; where there are none, fragments that were stored one by one until resolve.
     pub kept: u64,
+    /// Went into another record, or into a pixel's colour.
+    pub merged: u64,
     /// Rejected before they were stored.
     pub culled: u64,
     /// Stored, and pushed out later.
@@ -40,6 +42,10 @@ pub struct Tally {
     pub max_depth_complexity: u32,
     /// Pixels whose reports did not balance.
     pub unbalanced: u64,
+    /// Over those pixels: what was generated, and is not accounted for.
+    pub missing: u64,
+    /// Over those pixels: what is accounted for, and was not generated.
+    pub surplus: u64,
 }
 
 impl Tally {
@@ -47,6 +53,7 @@ impl Tally {
     pub fn merge(&mut self, other: &Self) {
         self.generated += other.generated;
         self.kept += other.kept;
+        self.merged += other.merged;
         self.culled += other.culled;
         self.evicted += other.evicted;
         self.duplicated += other.duplicated;
@@ -58,6 +65,8 @@ impl Tally {
         self.lost += other.lost;
         self.max_depth_complexity = self.max_depth_complexity.max(other.max_depth_complexity);
         self.unbalanced += other.unbalanced;
+        self.missing += other.missing;
+        self.surplus += other.surplus;
     }
 
     /// Count an invocation's report; whether its pixel has one fragment less than was generated.
@@ -71,17 +80,32 @@ impl Tally {
             Outcome::Pool => self.pool += 1,
             Outcome::Duplicate => self.duplicate += 1,
             Outcome::Age => self.age += 1,
+            Outcome::Merged => self.merged += 1,
         }
         true
     }
 
-    /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept.
+    /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept; resolve found `kept`,
+    /// and merged others into them.
     #[inline]
-    pub fn pixel(&mut self, generated: u32, gone: u32, kept: usize) {
-        self.generated += u64::from(generated);
+    pub fn pixel(&mut self, generated: u32, gone: u32, kept: usize, merged: u32) {
+        let (made, accounted) =
+            (u64::from(generated), u64::from(gone) + kept as u64 + u64::from(merged));
+        self.generated += made;
         self.kept += kept as u64;
+        self.merged += u64::from(merged);
         self.max_depth_complexity = self.max_depth_complexity.max(generated);
-        self.unbalanced += u64::from(u64::from(generated) != u64::from(gone) + kept as u64);
+        if made != accounted {
+            self.unbalanced += 1;
+            self.missing += made.saturating_sub(accounted);
+            self.surplus += accounted.saturating_sub(made);
+        }
+    }
+
+    /// Where there are no lists of fragments to compare: what is missing was lost, and what is too much is there twice.
+    pub fn correct_by_count(&mut self) {
+        self.lost += self.missing;
+        self.duplicated += self.surplus;
     }
 
     /// Dropped for any reason.
@@ -100,7 +124,7 @@ impl Tally {
     #[must_use]
     pub fn balances(&self) -> bool {
         self.generated + self.duplicated + self.torn
-            == self.kept + self.culled + self.evicted + self.dropped()
+            == self.kept + self.merged + self.culled + self.evicted + self.dropped()
     }
 
     /// Replace what racing invocations reported by what the lists show. Reports of drops stay: who drops knows it.

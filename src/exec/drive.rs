@@ -14,7 +14,7 @@ use std::task::{Context, Poll, Waker};
 
 use crate::fragment::Fragment;
 use crate::memory::Memory;
-use crate::scheme::{Keys, Outcome, Readback, Scheme};
+use crate::scheme::{Held, Holds, Outcome, Readback, Scheme};
 
 /// Outcomes of a batch, in the order of its fragments.
 pub type Outcomes = [Outcome; 64];
@@ -35,8 +35,8 @@ pub trait Pipeline<M>: Sync {
     fn invocations(&self, pass: usize) -> u32;
     /// Store fragments one after another; at most 64.
     fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes);
-    /// Append a pixel's fragments to `keys`; whether it needs another round.
-    fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool;
+    /// Add what a pixel holds to `held`; whether it needs another round.
+    fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool;
     /// What is read back after the frame.
     fn readback(&self) -> Option<Readback>;
 }
@@ -93,8 +93,8 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         }
     }
 
-    fn resolve(&self, mem: &M, pixel: u32, keys: &mut Keys) -> bool {
-        complete(Scheme::resolve(self, mem, pixel, keys));
+    fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool {
+        complete(Scheme::resolve(self, mem, pixel, S::Holds::of(held)));
         S::CONTRACT.program.repeats && complete(Scheme::again(self, mem, pixel))
     }
 

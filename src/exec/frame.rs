@@ -11,9 +11,9 @@ use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
 use crate::memory::Counters;
 use crate::raster::Grid;
-use crate::resolve::Lists;
 use crate::resolve::composite::Ray;
-use crate::scheme::{Keeps, Keys, exact};
+use crate::resolve::{Kept, Lists};
+use crate::scheme::{Held, HeldKind, Keeps, Light, Record, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,8 @@ pub struct Frame {
     pub tally: Tally,
     /// What memory saw, if it was counted.
     pub counters: Counters,
+    /// Accesses outside of the method's words.
+    pub outside: u64,
     /// Rounds of the method's program: the most that any tile went through, where tiles go on their own.
     pub rounds: u32,
     /// The hash table, if the method has one.
@@ -37,14 +39,59 @@ pub struct Frame {
 pub struct TileOutput {
     /// Entries per pixel.
     pub counts: Vec<u32>,
-    /// The pixels' keys one after another, front to back.
-    pub keys: Vec<u64>,
+    /// What the pixels hold.
+    pub column: Column,
     /// Their composited colours, sRGB RGBA8.
     pub colors: Vec<[u8; 4]>,
     /// This tile's part of the accounting.
     pub tally: Tally,
     /// Rounds that the tile went through, if it did so on its own.
     pub rounds: u32,
+    /// Accesses outside of the words that the tile's worker owns.
+    pub outside: u64,
+}
+
+/// What the pixels of a tile hold, one after another, front to back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Fragments.
+    Keys(Vec<u64>),
+    /// Merged records.
+    Records(Vec<Record>),
+    /// One colour a pixel.
+    Lights(Vec<Light>),
+}
+
+impl Default for Column {
+    fn default() -> Self {
+        Self::Keys(Vec::new())
+    }
+}
+
+impl Column {
+    fn new(kind: HeldKind) -> Self {
+        match kind {
+            HeldKind::Fragments => Self::Keys(Vec::new()),
+            HeldKind::Records => Self::Records(Vec::new()),
+            HeldKind::Color => Self::Lights(Vec::new()),
+        }
+    }
+
+    /// The fragments; none where it holds something else.
+    #[must_use]
+    pub fn keys(&self) -> &[u64] {
+        match self {
+            Self::Keys(keys) => keys,
+            Self::Records(_) | Self::Lights(_) => &[],
+        }
+    }
+
+    fn records(&self) -> &[Record] {
+        match self {
+            Self::Records(records) => records,
+            Self::Keys(_) | Self::Lights(_) => &[],
+        }
+    }
 }
 
 /// How many fragments were generated at, and reported gone from, each pixel of a tile.
@@ -77,7 +124,7 @@ impl<'a> Finisher<'a> {
     /// For one tile.
     #[must_use]
     pub fn new(job: &'a Job<'a>, tile: usize) -> Self {
-        let mut output = TileOutput::default();
+        let mut output = TileOutput { column: Column::new(job.holds), ..TileOutput::default() };
         let pixels = job.front.grid.pixels_per_tile();
         output.counts.reserve_exact(pixels);
         output.colors.reserve_exact(pixels);
@@ -86,14 +133,24 @@ impl<'a> Finisher<'a> {
 
     /// Make room for the keys of a tile with these counts.
     pub fn reserve(&mut self, generated: &[u32]) {
-        let nearest = self.job.nearest.unwrap_or(u32::MAX);
-        let most: usize = generated.iter().map(|&g| g.min(nearest) as usize).sum();
-        self.output.keys.reserve_exact(most);
+        let Column::Keys(keys) = &mut self.output.column else { return };
+        let first = self.tile * self.job.front.grid.pixels_per_tile();
+        let most = |(i, &g): (usize, &u32)| self.job.nearest.cut(first + i, g as usize);
+        keys.reserve_exact(generated.iter().enumerate().map(most).sum());
     }
 
-    /// The next pixel: its keys in any order, and its counts.
+    /// The next pixel: what it holds, lists in any order, and its counts.
     #[inline]
-    pub fn pixel(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
+    pub fn pixel(&mut self, held: &mut Held, generated: u32, gone: u32) {
+        match held {
+            Held::Keys(keys) => self.keys(keys, generated, gone),
+            other => self.other(other, generated, gone),
+        }
+    }
+
+    /// The next pixel: its fragments in any order, and its counts.
+    #[inline]
+    pub fn keys(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
         self.job.sort.run(keys);
         let mut ray = Ray::default();
         for &key in keys.iter() {
@@ -102,10 +159,35 @@ impl<'a> Finisher<'a> {
                 break;
             }
         }
+        if let Column::Keys(all) = &mut self.output.column {
+            all.extend_from_slice(keys);
+        }
         self.output.colors.push(ray.finish(self.job.background));
         self.output.counts.push(keys.len() as u32);
-        self.output.keys.extend_from_slice(keys);
-        self.output.tally.pixel(generated, gone, keys.len());
+        self.output.tally.pixel(generated, gone, keys.len(), 0);
+    }
+
+    /// What is no list of fragments.
+    #[inline(never)]
+    fn other(&mut self, held: &mut Held, generated: u32, gone: u32) {
+        held.sort();
+        let mut ray = Ray::default();
+        let mut listed = 0;
+        match (&*held, &mut self.output.column) {
+            (Held::Records(records), Column::Records(all)) => {
+                records.list.iter().for_each(|record| ray.over_record(record));
+                all.extend_from_slice(&records.list);
+                listed = records.list.len();
+            }
+            (Held::Light(light), Column::Lights(all)) => {
+                ray = Ray::of_light(light);
+                all.push(*light);
+            }
+            _ => {}
+        }
+        self.output.colors.push(ray.finish(self.job.background));
+        self.output.counts.push(listed as u32);
+        self.output.tally.pixel(generated, gone, held.len(), held.merged());
     }
 
     #[inline]
@@ -128,35 +210,35 @@ impl<'a> Finisher<'a> {
     }
 }
 
-/// Take a tile's pixels, the first of which is `first` in memory, from `resolve`, which appends a pixel's keys.
+/// Take a tile's pixels, the first of which is `first` in memory, from `resolve`, which adds what a pixel holds.
 pub fn resolve_tile(
-    mut resolve: impl FnMut(u32, &mut Keys),
+    mut resolve: impl FnMut(u32, &mut Held),
     first: u32,
     counts: &PixelCounts,
     mut finisher: Finisher<'_>,
     reports: &Tally,
 ) -> TileOutput {
-    let mut keys = Keys::new();
+    let mut held = finisher.job.holds.empty();
     finisher.reserve(&counts.generated);
     for (pixel, (&generated, &gone)) in (first..).zip(counts.generated.iter().zip(&counts.gone)) {
-        keys.clear();
-        resolve(pixel, &mut keys);
-        finisher.pixel(&mut keys, generated, gone);
+        held.clear();
+        resolve(pixel, &mut held);
+        finisher.pixel(&mut held, generated, gone);
     }
     finisher.finish(reports)
 }
 
-/// As [`resolve_tile`], of keys that were collected over several rounds.
+/// As [`resolve_tile`], of what was collected over several rounds.
 pub fn collected_tile(
-    lists: &mut [Keys],
+    collected: &mut [Held],
     counts: &PixelCounts,
     mut finisher: Finisher<'_>,
     reports: &Tally,
 ) -> TileOutput {
-    for (keys, (&generated, &gone)) in
-        lists.iter_mut().zip(counts.generated.iter().zip(&counts.gone))
+    for (held, (&generated, &gone)) in
+        collected.iter_mut().zip(counts.generated.iter().zip(&counts.gone))
     {
-        finisher.pixel(keys, generated, gone);
+        finisher.pixel(held, generated, gone);
     }
     finisher.finish(reports)
 }
@@ -167,52 +249,78 @@ impl Frame {
     pub fn new(job: &Job<'_>, tiles: Vec<TileOutput>, reports: &Tally, counters: Counters) -> Self {
         let mut tally = *reports;
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
-        if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
+        if job.holds != HeldKind::Fragments {
+            tally.correct_by_count();
+        } else if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
             tally.correct(&judge(job, &tiles), job.contract.keeps == Keeps::Visible);
         }
         let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
-        Self { tiles, tally, counters, rounds, table: None, seconds: BTreeMap::new() }
+        let outside = tiles.iter().map(|tile| tile.outside).sum();
+        Self { tiles, tally, counters, rounds, outside, table: None, seconds: BTreeMap::new() }
     }
 
-    /// The kept fragments and the picture, row by row. The tiles are used up.
+    /// What the pixels hold, and the picture, row by row. The tiles are used up.
     #[must_use]
-    pub fn assemble(&mut self, grid: &Grid) -> (Lists, Image) {
-        let pixels = grid.width as usize * grid.height as usize;
+    pub fn assemble(&mut self, grid: &Grid) -> (Kept, Image) {
         let tiles = std::mem::take(&mut self.tiles);
-        let total: usize = tiles.iter().map(|t| t.keys.len()).sum();
-        let mut offsets = vec![0u64; pixels + 1];
-        let mut keys = vec![0u64; total];
-        let mut colors = vec![[0u8; 4]; pixels];
-        let band_pixels = (grid.tile * grid.width) as usize;
-        let mut rest = keys.as_mut_slice();
-        let mut first_key = 0;
-        let mut bands = Vec::new();
-        let rows = tiles.chunks(grid.columns() as usize);
-        let parts = offsets[1..].chunks_mut(band_pixels).zip(colors.chunks_mut(band_pixels));
-        for (row, (offsets, colors)) in rows.zip(parts) {
-            let size = row.iter().map(|t| t.keys.len()).sum();
-            let (keys, behind) = std::mem::take(&mut rest).split_at_mut(size);
-            rest = behind;
-            bands.push(Band { row, offsets, colors, keys, first_key });
-            first_key += size as u64;
-        }
-        bands.into_par_iter().for_each(|band| band.fill(grid));
-        let (width, height) = (grid.width, grid.height);
-        (Lists { width, height, offsets, keys }, Image { width, height, pixels: colors })
+        let (kept, pixels) = match tiles.first().map(|tile| &tile.column) {
+            Some(Column::Records(_)) => {
+                let (lists, pixels) = join(&tiles, grid, Column::records);
+                (Kept::Records(lists), pixels)
+            }
+            Some(Column::Lights(_)) => {
+                let (_, pixels) = join::<u64>(&tiles, grid, |_| &[]);
+                (Kept::Color(lights(&tiles, grid)), pixels)
+            }
+            Some(Column::Keys(_)) | None => {
+                let (lists, pixels) = join(&tiles, grid, Column::keys);
+                (Kept::Fragments(lists), pixels)
+            }
+        };
+        (kept, Image { width: grid.width, height: grid.height, pixels })
     }
+}
+
+/// Lists and colours, row by row.
+fn join<T: Copy + Default + Send + Sync>(
+    tiles: &[TileOutput],
+    grid: &Grid,
+    entries_of: impl Fn(&Column) -> &[T] + Sync,
+) -> (Lists<T>, Vec<[u8; 4]>) {
+    let (width, height) = (grid.width, grid.height);
+    let pixels = width as usize * height as usize;
+    let total: usize = tiles.iter().map(|t| entries_of(&t.column).len()).sum();
+    let mut offsets = vec![0u64; pixels + 1];
+    let mut entries = vec![T::default(); total];
+    let mut colors = vec![[0u8; 4]; pixels];
+    let band_pixels = (grid.tile * width) as usize;
+    let mut rest = entries.as_mut_slice();
+    let mut first_entry = 0;
+    let mut bands = Vec::new();
+    let rows = tiles.chunks(grid.columns() as usize);
+    let parts = offsets[1..].chunks_mut(band_pixels).zip(colors.chunks_mut(band_pixels));
+    for (row, (offsets, colors)) in rows.zip(parts) {
+        let size = row.iter().map(|t| entries_of(&t.column).len()).sum();
+        let (entries, behind) = std::mem::take(&mut rest).split_at_mut(size);
+        rest = behind;
+        bands.push(Band { row, offsets, colors, entries, first_entry });
+        first_entry += size as u64;
+    }
+    bands.into_par_iter().for_each(|band| band.fill(grid, &entries_of));
+    (Lists { width, height, offsets, entries }, colors)
 }
 
 /// One row of tiles, on its way to row-major order.
-struct Band<'a> {
+struct Band<'a, T> {
     row: &'a [TileOutput],
     offsets: &'a mut [u64],
     colors: &'a mut [[u8; 4]],
-    keys: &'a mut [u64],
-    first_key: u64,
+    entries: &'a mut [T],
+    first_entry: u64,
 }
 
-impl Band<'_> {
-    fn fill(self, grid: &Grid) {
+impl<T: Copy> Band<'_, T> {
+    fn fill(self, grid: &Grid, entries_of: &impl Fn(&Column) -> &[T]) {
         let starts: Vec<Vec<u32>> = self.row.iter().map(starts).collect();
         let mut end = 0usize;
         for (i, (offset, color)) in self.offsets.iter_mut().zip(self.colors).enumerate() {
@@ -221,15 +329,16 @@ impl Band<'_> {
             let output = &self.row[tile];
             let start = starts[tile][local] as usize;
             let count = output.counts[local] as usize;
-            self.keys[end..end + count].copy_from_slice(&output.keys[start..start + count]);
+            let own = &entries_of(&output.column)[start..start + count];
+            self.entries[end..end + count].copy_from_slice(own);
             end += count;
-            *offset = self.first_key + end as u64;
+            *offset = self.first_entry + end as u64;
             *color = output.colors[local];
         }
     }
 }
 
-/// Where each pixel's keys begin.
+/// Where each pixel's entries begin.
 fn starts(tile: &TileOutput) -> Vec<u32> {
     let mut sum = 0;
     let start = |&count: &u32| {
@@ -239,16 +348,31 @@ fn starts(tile: &TileOutput) -> Vec<u32> {
     tile.counts.iter().map(start).collect()
 }
 
+/// The colours of pixels that hold nothing else, row by row.
+fn lights(tiles: &[TileOutput], grid: &Grid) -> Vec<Light> {
+    let pixels = (0..grid.height).flat_map(|y| (0..grid.width).map(move |x| (x, y)));
+    let light = |(x, y): (u32, u32)| {
+        let tile = (y / grid.tile * grid.columns() + x / grid.tile) as usize;
+        match &tiles[tile].column {
+            Column::Lights(lights) => lights[grid.local_pixel(x, y) as usize],
+            Column::Keys(_) | Column::Records(_) => Light::default(),
+        }
+    };
+    pixels.map(light).collect()
+}
+
 /// Compare every pixel's list with what was generated there.
 fn judge(job: &Job<'_>, tiles: &[TileOutput]) -> Judgement {
+    let per_tile = job.front.grid.pixels_per_tile();
     let tile = |(index, output): (usize, &TileOutput)| {
         let mut judgement = Judgement::default();
         let mut end = 0;
         let generated = exact::tile(job.front, index, job.record, None);
-        for (generated, &count) in generated.iter().zip(&output.counts) {
-            let kept = &output.keys[end..end + count as usize];
+        let pixels = (index * per_tile..).zip(generated.iter().zip(&output.counts));
+        for (pixel, (generated, &count)) in pixels {
+            let kept = &output.column.keys()[end..end + count as usize];
             end += count as usize;
-            judgement.pixel(generated, kept, job.nearest);
+            judgement.pixel(generated, kept, job.nearest.at(pixel));
             if job.contract.keeps == Keeps::Visible {
                 judgement.seen(generated, kept, job.opaque);
             }

@@ -7,26 +7,37 @@
 //! * [`sim`]: one thread steps resident invocations, one memory operation at a time, as a policy says.
 //! * [`oracle`]: the exact reference, which is no scheme.
 //!
-//! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). Between passes
-//! stands a barrier for the whole frame, except in `tile`, where a method that needs no more has it between the passes
-//! of a tile: pixel storage is all that a tile's passes share, apart from pools whose nodes nobody else reads.
+//! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). What runs when is
+//! the method's [`Course`]. Between stages stands a barrier for the whole frame, except in `tile`, where a method that
+//! needs no more has it between the stages of a tile: pixel storage is all that a tile's passes share, apart from pools
+//! whose nodes nobody else reads.
+//!
+//! A scheme comes as a [`Method`], and an executor sees it through a [`drive::Pipeline`]: compiled for its memory, or
+//! [interpreted](interpret).
 
 pub mod account;
 pub mod clock;
 pub mod drive;
 pub mod frame;
+pub mod interpret;
+pub mod method;
 pub mod oracle;
+pub mod promise;
 pub mod sim;
 pub mod table;
 pub mod threads;
 pub mod tile;
 
+use crate::memory::Inputs;
 use crate::raster::{FrontEnd, Record};
 use crate::resolve::sort::Sort;
-use crate::scheme::Contract;
+use crate::scheme::bound::Bound;
+use crate::scheme::course::Course;
+use crate::scheme::{Contract, HeldKind};
 
 pub use account::Tally;
 pub use frame::Frame;
+pub use method::{Instance, Method};
 
 /// What is drawn: the same for every executor.
 #[derive(Debug)]
@@ -39,10 +50,16 @@ pub struct Job<'a> {
     pub sort: Sort,
     /// Linear 16-bit RGB.
     pub background: [u16; 3],
-    /// The number of nearest fragments that the method promises to keep; `None` is all.
-    pub nearest: Option<u32>,
+    /// The number of nearest fragments that the method promises to keep.
+    pub nearest: Bound,
     /// What the method promises, and which passes it has.
     pub contract: &'static Contract,
+    /// Which stages a frame has.
+    pub course: Course,
+    /// What a pixel holds after resolve.
+    pub holds: HeldKind,
+    /// The words of the method's inputs.
+    pub inputs: Inputs,
     /// Fragments in all tiles before each tile, and last in all tiles, if they were counted; else empty.
     pub before_tile: Vec<u64>,
     /// Whether pools have room for every fragment: nothing limits them.

@@ -19,7 +19,7 @@ pub fn run(job: &Job<'_>, k: Option<u32>) -> Frame {
             keys.truncate(k.map_or(usize::MAX, |k| k as usize));
             let evicted = (generated - keys.len()) as u32;
             reports.evicted += u64::from(evicted);
-            finisher.pixel(keys, generated as u32, evicted);
+            finisher.keys(keys, generated as u32, evicted);
         }
         finisher.finish(&reports)
     });

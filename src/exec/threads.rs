@@ -3,25 +3,28 @@
 //!
 //! With N threads there are N workers and N / 2 rasterizers (at least one).
 
+use std::convert::Infallible;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 use rayon::prelude::*;
 
-use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, collected_tile, resolve_tile};
+use super::interpret::Interpreted;
 use super::table::Table;
+use super::{Instance, Job};
 use crate::fragment::Packet;
 use crate::memory::arena::Shared;
 use crate::memory::native::Native;
-use crate::memory::{Counters, Layout, Observer};
+use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::raster::Batch;
 use crate::scheme::contract::Kind;
-use crate::scheme::{Keys, Outcome};
+use crate::scheme::course::Part;
+use crate::scheme::{Held, Outcome};
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.
 const MESSAGE: usize = 64;
@@ -32,9 +35,22 @@ const BACKLOG: usize = 8;
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
 
-/// Run a scheme. Geometry passes run on threads of their own, all others in the surrounding thread pool.
+/// Run a scheme, with its operations counted or not. Geometry passes run on threads of their own, all others in the
+/// surrounding thread pool.
 #[must_use]
-pub fn run<O: Observer + Default>(
+pub fn run(instance: &dyn Instance, job: &Job<'_>, counted: bool) -> Frame {
+    let layout = instance.layout();
+    match (instance.compiled(), counted) {
+        (Some(compiled), true) => frame::<Counters>(compiled.native_counted(), layout, job),
+        (Some(compiled), false) => frame::<()>(compiled.native(), layout, job),
+        (None, true) => {
+            frame::<Counters>(&Interpreted { instance, inputs: &job.inputs }, layout, job)
+        }
+        (None, false) => frame::<()>(&Interpreted { instance, inputs: &job.inputs }, layout, job),
+    }
+}
+
+fn frame<O: Observer + Default>(
     scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
     layout: &Layout,
     job: &Job<'_>,
@@ -42,78 +58,90 @@ pub fn run<O: Observer + Default>(
     let (grid, program) = (&job.front.grid, &job.contract.program);
     let pixel = Shared::new(layout.per_pixel(), grid.storage_pixels());
     let global = Shared::new(layout.per_frame(), 1);
-    let shared = SharedMemory { pixel, global, counters: Mutex::new(Counters::default()) };
+    let counters = Mutex::new(Counters::default());
+    let shared = SharedMemory { pixel, global, inputs: &job.inputs, counters };
 
     let tile_pixels = grid.pixels_per_tile() as u32;
     let pixels = |tile: usize| tile as u32 * tile_pixels..(tile as u32 + 1) * tile_pixels;
+    let each_tile = |work: &(dyn Fn(Native<'_, O>, usize) + Sync)| {
+        (0..grid.tiles()).into_par_iter().for_each(|tile| shared.with(|mem| work(mem, tile)));
+    };
     let mut watch = Stopwatch::start();
-    shared.with(|mem: Native<'_, O>| scheme.clear_frame(&mem));
-    (0..grid.tiles()).into_par_iter().for_each(|tile| {
-        shared.with(|mem: Native<'_, O>| scheme.clear(&mem, pixels(tile)));
-    });
-    watch.lap("clear");
-
-    let mut lists = vec![Keys::new(); if program.repeats { grid.storage_pixels() } else { 0 }];
-    let mut rounds = 0;
-    let stored = loop {
-        rounds += 1;
-        let mut stored = None;
-        for (number, pass) in program.passes.iter().enumerate() {
-            match pass.kind {
-                Kind::Prepare | Kind::Store => {
-                    let pass = (number, pass.kind == Kind::Store);
-                    stored = Some(geometry_pass::<O>(scheme, pass, job, &shared));
+    let places = if program.repeats { grid.storage_pixels() } else { 0 };
+    let mut collected = vec![job.holds.empty(); places];
+    let mut stored = Stored::default();
+    let walked = job.course.walk(|parts| {
+        let mut again = false;
+        for &part in parts {
+            match part {
+                Part::Clear => {
+                    shared.with(|mem: Native<'_, O>| scheme.clear_frame(&mem));
+                    each_tile(&|mem, tile| scheme.clear(&mem, pixels(tile)));
+                    watch.lap("clear");
                 }
-                Kind::Screen => (0..grid.tiles()).into_par_iter().for_each(|tile| {
-                    shared.with(|mem: Native<'_, O>| scheme.screen(&mem, number, pixels(tile)));
-                }),
-                Kind::Frame => {
-                    let count = scheme.invocations(number);
-                    (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
-                        let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
-                        shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
-                    });
+                Part::Pass(number) => {
+                    let pass = &program.passes[number];
+                    match pass.kind {
+                        Kind::Prepare | Kind::Store => {
+                            let pass = (number, pass.kind == Kind::Store);
+                            stored = geometry_pass::<O>(scheme, pass, job, &shared);
+                        }
+                        Kind::Screen => {
+                            each_tile(&|mem, tile| scheme.screen(&mem, number, pixels(tile)));
+                        }
+                        Kind::Frame => {
+                            let count = scheme.invocations(number);
+                            (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+                                let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
+                                shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
+                            });
+                        }
+                    }
+                    watch.lap(pass.name);
+                }
+                // A single round is resolved when it is finished.
+                Part::Resolve if !program.repeats => {}
+                Part::Resolve => {
+                    let tiles = collected.par_chunks_mut(tile_pixels as usize).enumerate();
+                    let resolve = |(tile, collected): (usize, &mut [Held])| {
+                        shared.with(|mem: Native<'_, O>| {
+                            let all = pixels(tile).zip(collected);
+                            all.fold(false, |again, (p, held)| {
+                                scheme.resolve(&mem, p, held) | again
+                            })
+                        })
+                    };
+                    again |= tiles.map(resolve).reduce(|| false, |a, b| a | b);
                 }
             }
-            watch.lap(pass.name);
         }
-        let again = program.repeats && {
-            let tiles = lists.par_chunks_mut(tile_pixels as usize).enumerate();
-            let resolve = |(tile, lists): (usize, &mut [Keys])| {
-                shared.with(|mem: Native<'_, O>| {
-                    let all = pixels(tile).zip(lists);
-                    all.fold(false, |again, (p, keys)| scheme.resolve(&mem, p, keys) | again)
-                })
-            };
-            tiles.map(resolve).reduce(|| false, |a, b| a | b)
-        };
-        if !again {
-            break stored.unwrap_or_default();
-        }
-    };
+        Ok::<bool, Infallible>(again)
+    });
+    let Ok(rounds) = walked;
 
-    let finish = |(tile, lists): (usize, &mut [Keys])| {
+    let finish = |(tile, collected): (usize, &mut [Held])| {
         let counts = stored.counts(tile, tile_pixels as usize);
         let finisher = Finisher::new(job, tile);
         let none = Tally::default();
         if program.repeats {
-            return collected_tile(lists, &counts, finisher, &none);
+            return collected_tile(collected, &counts, finisher, &none);
         }
         shared.with(|mem: Native<'_, O>| {
-            let resolve = |pixel, keys: &mut Keys| {
-                scheme.resolve(&mem, pixel, keys);
+            let resolve = |pixel, held: &mut Held| {
+                scheme.resolve(&mem, pixel, held);
             };
             resolve_tile(resolve, pixels(tile).start, &counts, finisher, &none)
         })
     };
-    let mut parts: Vec<&mut [Keys]> = lists.chunks_mut(tile_pixels as usize).collect();
+    let mut parts: Vec<&mut [Held]> = collected.chunks_mut(tile_pixels as usize).collect();
     parts.resize_with(grid.tiles(), Default::default);
     let tiles = parts.into_par_iter().enumerate().map(finish).collect();
     watch.lap("resolve");
+    let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
     let table = scheme.readback().map(|readback| Table::new(&readback, &shared.global));
-    Frame { rounds, table, seconds: watch.seconds(), ..frame }
+    Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
 }
 
 /// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if that matters.
@@ -123,17 +151,18 @@ struct Sent {
 }
 
 /// What all threads reach.
-struct SharedMemory {
+struct SharedMemory<'a> {
     pixel: Shared,
     global: Shared,
+    inputs: &'a Inputs,
     counters: Mutex<Counters>,
 }
 
-impl SharedMemory {
+impl SharedMemory<'_> {
     /// Work with a handle, and add up what it observed.
     fn with<O: Observer + Default, T>(&self, work: impl FnOnce(Native<'_, O>) -> T) -> T {
         let observer = O::default();
-        let result = work(Native::new(&self.pixel, &self.global, &observer));
+        let result = work(Native::new(&self.pixel, &self.global, self.inputs, &observer));
         if let (Some(counters), Ok(mut sum)) = (observer.counters(), self.counters.lock()) {
             sum.merge(counters);
         }
@@ -164,7 +193,7 @@ fn geometry_pass<O: Observer + Default>(
     scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
     pass: (usize, bool),
     job: &Job<'_>,
-    shared: &SharedMemory,
+    shared: &SharedMemory<'_>,
 ) -> Stored {
     let grid = &job.front.grid;
     let mut gone = Vec::new();

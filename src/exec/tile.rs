@@ -6,50 +6,67 @@
 //! pass ends for all tiles before the next begins.
 
 use std::cell::Cell;
+use std::convert::Infallible;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Job;
 use super::account::Tally;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, TileOutput, collected_tile, resolve_tile};
+use super::interpret::Interpreted;
 use super::table::Table;
+use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Counters, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::contract::{Kind, Pass};
-use crate::scheme::{Keys, Outcome};
+use crate::scheme::contract::Kind;
+use crate::scheme::course::Part;
+use crate::scheme::{Held, Outcome};
 
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
 
-/// Run a scheme. Call it inside the thread pool that shall do the work.
+/// Run a scheme, with its operations counted or not. Call it inside the thread pool that shall do the work.
 #[must_use]
-pub fn run<O: Observer + Default + Send>(
+pub fn run(instance: &dyn Instance, job: &Job<'_>, counted: bool) -> Frame {
+    let layout = instance.layout();
+    match (instance.compiled(), counted) {
+        (Some(compiled), true) => frame::<Counters>(compiled.exclusive_counted(), layout, job),
+        (Some(compiled), false) => frame::<()>(compiled.exclusive(), layout, job),
+        (None, _) => {
+            let interpreted = Interpreted { instance, inputs: &job.inputs };
+            let counters =
+                |frame: &Frame| if counted { frame.counters.clone() } else { Counters::default() };
+            let drawn = frame::<Counters>(&interpreted, layout, job);
+            Frame { counters: counters(&drawn), ..drawn }
+        }
+    }
+}
+
+fn frame<O: Observer + Default + Send>(
     scheme: &dyn for<'a> Pipeline<Exclusive<'a, O>>,
     layout: &Layout,
     job: &Job<'_>,
 ) -> Frame {
     let global = Shared::new(layout.per_frame(), 1);
-    let run = Run { scheme, layout, global: &global, job };
-    let observer = O::default();
-    let none = Owned::new(Layout::default().per_pixel(), 0);
-    scheme.clear_frame(&Exclusive::new(&none, &global, None, &observer));
-    let outputs = if job.contract.program.is_local() { run.tiles() } else { run.passes() };
-    let mut counters = observer.counters().cloned().unwrap_or_default();
-    let mut tiles = Vec::with_capacity(outputs.len());
+    let tiles = Tiles { scheme, layout, global: &global, job };
+    let cleared = tiles.on_frame(|mem| scheme.clear_frame(mem));
+    let outputs = if job.contract.program.is_local() { tiles.each() } else { tiles.together() };
+    let mut counters = cleared;
+    let mut done = Vec::with_capacity(outputs.len());
     for (tile, counts) in outputs {
         counters.merge(&counts);
-        tiles.push(tile);
+        done.push(tile);
     }
     let table = scheme.readback().map(|readback| Table::new(&readback, &global));
-    Frame { table, ..Frame::new(job, tiles, &Tally::default(), counters) }
+    let frame = Frame::new(job, done, &Tally::default(), counters);
+    Frame { table, outside: frame.outside + global.outside(), ..frame }
 }
 
 /// What all workers know.
-struct Run<'a, O> {
+struct Tiles<'a, O> {
     scheme: &'a dyn for<'b> Pipeline<Exclusive<'b, O>>,
     layout: &'a Layout,
     global: &'a Shared,
@@ -66,69 +83,82 @@ struct Tile<O> {
     next: Option<Cell<u32>>,
     counts: PixelCounts,
     reports: Tally,
-    rounds: u32,
-    /// The pixels' fragments of all rounds so far, where there are several.
-    lists: Vec<Keys>,
+    /// What the pixels hold of all rounds so far, where there are several.
+    collected: Vec<Held>,
     observer: O,
     batch: Batch,
+    /// Accesses outside of its memory by the worker's earlier tiles.
+    outside_before: u64,
 }
 
-impl<O: Observer + Default + Send> Run<'_, O> {
+impl<O: Observer + Default + Send> Tiles<'_, O> {
     /// One tile after another, each from beginning to end.
-    fn tiles(&self) -> Vec<(TileOutput, Counters)> {
+    fn each(&self) -> Vec<(TileOutput, Counters)> {
         (0..self.job.front.grid.tiles())
             .into_par_iter()
             .map_init(
                 || self.tile(),
                 |tile, index| {
-                    self.begin(tile, index);
-                    let passes = self.job.contract.program.passes;
-                    loop {
-                        tile.rounds += 1;
-                        for (number, pass) in passes.iter().enumerate() {
-                            self.pass(tile, number, pass);
+                    let walked = self.job.course.walk(|parts| {
+                        let mut again = false;
+                        for &part in parts {
+                            match part {
+                                Part::Clear => self.clear(tile, index),
+                                Part::Pass(number) => self.pass(tile, number),
+                                Part::Resolve => again |= self.collect(tile),
+                            }
                         }
-                        if !self.job.contract.program.repeats || !self.collect(tile) {
-                            break;
-                        }
-                    }
-                    self.finish(tile)
+                        Ok::<bool, Infallible>(again)
+                    });
+                    let Ok(rounds) = walked;
+                    self.finish(tile, rounds)
                 },
             )
             .collect()
     }
 
-    /// One pass after another, each for all tiles.
-    fn passes(&self) -> Vec<(TileOutput, Counters)> {
-        let program = &self.job.contract.program;
-        let begun = |index: usize| {
-            let mut tile = self.tile();
-            self.begin(&mut tile, index);
-            tile
-        };
-        let count = self.job.front.grid.tiles();
-        let mut tiles: Vec<Tile<O>> = (0..count).into_par_iter().map(begun).collect();
+    /// One stage after another, each for all tiles.
+    fn together(&self) -> Vec<(TileOutput, Counters)> {
+        let mut tiles: Vec<Tile<O>> = Vec::new();
         let mut counters = Counters::default();
-        loop {
-            tiles.iter_mut().for_each(|tile| tile.rounds += 1);
-            for (number, pass) in program.passes.iter().enumerate() {
-                if pass.kind == Kind::Frame {
-                    counters.merge(&self.frame(number));
-                } else {
-                    tiles.par_iter_mut().for_each(|tile| self.pass(tile, number, pass));
+        let walked = self.job.course.walk(|parts| {
+            let mut again = false;
+            for &part in parts {
+                match part {
+                    Part::Clear => {
+                        let cleared = |index: usize| {
+                            let mut tile = self.tile();
+                            self.clear(&mut tile, index);
+                            tile
+                        };
+                        let count = self.job.front.grid.tiles();
+                        tiles = (0..count).into_par_iter().map(cleared).collect();
+                    }
+                    Part::Pass(number) if self.kind(number) == Kind::Frame => {
+                        counters.merge(&self.frame(number));
+                    }
+                    Part::Pass(number) => {
+                        tiles.par_iter_mut().for_each(|tile| self.pass(tile, number));
+                    }
+                    Part::Resolve => {
+                        let collect = |tile: &mut Tile<O>| self.collect(tile);
+                        again |= tiles.par_iter_mut().map(collect).reduce(|| false, |a, b| a | b);
+                    }
                 }
             }
-            let again = |tile: &mut Tile<O>| self.collect(tile);
-            if !program.repeats || !tiles.par_iter_mut().map(again).reduce(|| false, |a, b| a | b) {
-                break;
-            }
-        }
-        let mut outputs: Vec<(TileOutput, Counters)> =
-            tiles.par_iter_mut().map(|tile| self.finish(tile)).collect();
+            Ok::<bool, Infallible>(again)
+        });
+        let Ok(rounds) = walked;
+        let finish = |tile: &mut Tile<O>| self.finish(tile, rounds);
+        let mut outputs: Vec<_> = tiles.par_iter_mut().map(finish).collect();
         if let Some((_, first)) = outputs.first_mut() {
             first.merge(&counters);
         }
         outputs
+    }
+
+    fn kind(&self, pass: usize) -> Kind {
+        self.job.contract.program.passes[pass].kind
     }
 
     fn tile(&self) -> Tile<O> {
@@ -140,10 +170,10 @@ impl<O: Observer + Default + Send> Run<'_, O> {
             next: None,
             counts: PixelCounts::default(),
             reports: Tally::default(),
-            rounds: 0,
-            lists: Vec::new(),
+            collected: Vec::new(),
             observer: O::default(),
             batch: Batch::default(),
+            outside_before: 0,
         }
     }
 
@@ -152,15 +182,24 @@ impl<O: Observer + Default + Send> Run<'_, O> {
     }
 
     fn memory<'b>(&'b self, tile: &'b Tile<O>) -> Exclusive<'b, O> {
-        let first = self.first(tile);
-        Exclusive::from(first, &tile.memory, self.global, tile.next.as_ref(), &tile.observer)
+        Exclusive::new(&tile.memory, self.global, &self.job.inputs, &tile.observer)
+            .from(self.first(tile))
+            .taking(tile.next.as_ref())
+    }
+
+    /// Work on the frame's words; what was counted.
+    fn on_frame(&self, work: impl FnOnce(&Exclusive<'_, O>)) -> Counters {
+        let none = Owned::new(Layout::default().per_pixel(), 0);
+        let observer = O::default();
+        work(&Exclusive::new(&none, self.global, &self.job.inputs, &observer));
+        observer.counters().cloned().unwrap_or_default()
     }
 
     /// Memory keeps the contents of the tile before: only a clear pass makes it fit for use.
-    fn begin(&self, tile: &mut Tile<O>, index: usize) {
+    fn clear(&self, tile: &mut Tile<O>, index: usize) {
         let pixels = self.job.front.grid.pixels_per_tile();
         tile.index = index;
-        tile.rounds = 0;
+        tile.outside_before = tile.memory.outside();
         tile.observer = O::default();
         if let Some(&[before, after]) = self.job.before_tile.get(index..index + 2) {
             // Where a pool is too small, which of its ranges a tile has decides what is dropped.
@@ -170,23 +209,24 @@ impl<O: Observer + Default + Send> Run<'_, O> {
             tile.next = Some(Cell::new(tile.pool.start as u32));
         }
         if self.job.contract.program.repeats {
-            tile.lists.clear();
-            tile.lists.resize(pixels, Keys::new());
+            tile.collected.clear();
+            tile.collected.resize(pixels, self.job.holds.empty());
         }
         let first = self.first(tile);
         self.scheme.clear(&self.memory(tile), first..first + pixels as u32);
     }
 
-    fn pass(&self, tile: &mut Tile<O>, number: usize, pass: &Pass) {
+    fn pass(&self, tile: &mut Tile<O>, number: usize) {
         let pixels = self.job.front.grid.pixels_per_tile() as u32;
         let first = self.first(tile);
-        match pass.kind {
+        match self.kind(number) {
             Kind::Screen => {
                 self.scheme.screen(&self.memory(tile), number, first..first + pixels);
             }
             // Of one tile's passes, one over the frame's words can only be its own.
             Kind::Frame => {}
-            Kind::Prepare | Kind::Store => self.geometry(tile, number, pass.kind == Kind::Store),
+            Kind::Prepare => self.geometry(tile, number, false),
+            Kind::Store => self.geometry(tile, number, true),
         }
     }
 
@@ -194,8 +234,9 @@ impl<O: Observer + Default + Send> Run<'_, O> {
     fn geometry(&self, tile: &mut Tile<O>, number: usize, stores: bool) {
         let (job, grid) = (self.job, &self.job.front.grid);
         let (first, interlock) = (self.first(tile), job.contract.interlock);
-        let mem =
-            Exclusive::from(first, &tile.memory, self.global, tile.next.as_ref(), &tile.observer);
+        let mem = Exclusive::new(&tile.memory, self.global, &job.inputs, &tile.observer)
+            .from(first)
+            .taking(tile.next.as_ref());
         let Tile { counts, reports, batch, .. } = tile;
         counts.reset(grid.pixels_per_tile());
         *reports = Tally::default();
@@ -224,11 +265,8 @@ impl<O: Observer + Default + Send> Run<'_, O> {
     fn frame(&self, number: usize) -> Counters {
         let count = self.scheme.invocations(number);
         let chunk = |begin: u32| {
-            let none = Owned::new(Layout::default().per_pixel(), 0);
-            let observer = O::default();
-            let mem = Exclusive::new(&none, self.global, None, &observer);
-            self.scheme.frame(&mem, number, begin * CHUNK..count.min((begin + 1) * CHUNK));
-            observer.counters().cloned().unwrap_or_default()
+            let indices = begin * CHUNK..count.min((begin + 1) * CHUNK);
+            self.on_frame(|mem| self.scheme.frame(mem, number, indices))
         };
         let all: Vec<Counters> = (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
         let mut sum = Counters::default();
@@ -236,30 +274,29 @@ impl<O: Observer + Default + Send> Run<'_, O> {
         sum
     }
 
-    /// Resolve one of several rounds; whether a pixel needs another one.
+    /// Resolve one of several rounds; whether a pixel needs another one. A single round is resolved when it is finished.
     fn collect(&self, tile: &mut Tile<O>) -> bool {
         let first = self.first(tile);
-        let mut lists = std::mem::take(&mut tile.lists);
+        let mut collected = std::mem::take(&mut tile.collected);
         let mem = self.memory(tile);
         let mut again = false;
-        for (pixel, keys) in (first..).zip(&mut lists) {
-            again |= self.scheme.resolve(&mem, pixel, keys);
+        for (pixel, held) in (first..).zip(&mut collected) {
+            again |= self.scheme.resolve(&mem, pixel, held);
         }
-        tile.lists = lists;
+        tile.collected = collected;
         again
     }
 
-    fn finish(&self, tile: &mut Tile<O>) -> (TileOutput, Counters) {
+    fn finish(&self, tile: &mut Tile<O>, rounds: u32) -> (TileOutput, Counters) {
         let finisher = Finisher::new(self.job, tile.index);
         let (counts, reports) = (&tile.counts, &tile.reports);
-        let rounds = tile.rounds;
         let output = if self.job.contract.program.repeats {
-            collected_tile(&mut tile.lists, counts, finisher, reports)
+            collected_tile(&mut tile.collected, counts, finisher, reports)
         } else {
             let (mem, first) = (self.memory(tile), self.first(tile));
             resolve_tile(
-                |pixel, keys| {
-                    self.scheme.resolve(&mem, pixel, keys);
+                |pixel, held| {
+                    self.scheme.resolve(&mem, pixel, held);
                 },
                 first,
                 counts,
@@ -268,6 +305,7 @@ impl<O: Observer + Default + Send> Run<'_, O> {
             )
         };
         let counters = tile.observer.counters().cloned().unwrap_or_default();
-        (TileOutput { rounds, ..output }, counters)
+        let outside = tile.memory.outside() - tile.outside_before;
+        (TileOutput { rounds, outside, ..output }, counters)
     }
 }

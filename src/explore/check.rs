@@ -7,20 +7,19 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+use super::case::Subject;
 use super::exhaustive::{self, Explored, Found, Limits};
 use super::litmus::{self, Family, Litmus};
 use super::machine::Device;
 use super::model::MemoryModel;
 use super::progress::{self, Lasso, Progress, Progressed};
-use super::property::{self, Property};
+use super::property::Property;
 use super::run;
 use super::schedule::Move;
-use super::shader::Subject;
 use super::sites;
 use super::token::{LitmusToken, Token};
 use super::verdict::{Row, Verdict};
-use crate::raster::Grid;
-use crate::scheme::{Config, Contract};
+use crate::scheme::{Contract, Held};
 
 /// What to check, and how far.
 #[derive(Clone, Debug)]
@@ -117,11 +116,9 @@ impl Survey {
             reached_elsewhere: BTreeSet::new(),
         };
         for n in 1..=family.fragments {
-            let instances = litmus::of_size(subject.contract, family, n);
+            let instances = litmus::of_size(subject, family, n);
             let explore = |litmus: Litmus| {
-                let shader = (subject.make)(&litmus.config(subject.contract));
-                let explored =
-                    exhaustive::explore(&*shader, subject.contract, &litmus, device, limits);
+                let explored = exhaustive::explore(&subject.case(&litmus), device, limits);
                 (litmus, explored)
             };
             let explored: Vec<_> = instances.into_par_iter().map(explore).collect();
@@ -228,7 +225,7 @@ impl Survey {
             depths.dedup();
             depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
         };
-        let instances = litmus::of_size(subject.contract, &family, n);
+        let instances = litmus::of_size(subject, &family, n);
         let device = Device { memory, warp: None };
         let row = |litmus: Litmus| {
             let survey = super::scene::survey(subject, &litmus, device, limits);
@@ -307,9 +304,8 @@ fn witness(
     schedule: [&[Move]; 2],
     message: &str,
 ) -> (Option<String>, String) {
-    let shader = (subject.make)(&litmus.config(subject.contract));
     let moves = schedule.concat();
-    let Ok(run) = run::run(&*shader, subject.contract, litmus, device, &moves) else {
+    let Ok(run) = run::run(&subject.case(litmus), device, &moves) else {
         return (None, message.to_owned());
     };
     let told = run.violations().find(|(p, _)| *p == property).map(|(_, told)| told.clone());
@@ -317,8 +313,7 @@ fn witness(
     let token = LitmusToken::new(method, name, litmus, device, schedule, &run);
     let message = match (property, told, &run.end) {
         (Property::OneOutcome, _, Some(end)) => {
-            let lists: Vec<String> = end.lists.iter().map(|l| property::keys(l)).collect();
-            format!("{message}; this schedule gives {}", lists.join(" "))
+            format!("{message}; this schedule gives {}", pixels_told(&end.pixels))
         }
         (_, Some(told), _) => told,
         _ => message.to_owned(),
@@ -328,26 +323,19 @@ fn witness(
 
 /// An instance's results, one line each.
 fn outcomes(explored: &Explored) -> Vec<String> {
-    let line = |lists: &Vec<Vec<u64>>| {
-        lists.iter().map(|list| property::keys(list)).collect::<Vec<_>>().join(" ")
-    };
-    explored.outcomes.keys().map(line).collect()
+    explored.outcomes.keys().map(|pixels| pixels_told(pixels)).collect()
+}
+
+/// What the pixels hold.
+fn pixels_told(pixels: &[Held]) -> String {
+    pixels.iter().map(Held::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// The properties that can be asked of a method under a memory model.
 #[must_use]
 pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
-    let shader = (subject.make)(&Config {
-        k: subject.contract.default_k.map(|_| 1),
-        pixels: 1,
-        generated: 1,
-        max_depth_complexity: 1,
-        bounded: 1,
-        pages: 1,
-        grid: Grid { width: 1, height: 1, tile: 16 },
-        ..Config::default()
-    });
-    let locks = !shader.layout().locks().is_empty();
+    let litmus = Litmus::of_one(subject.contract);
+    let locks = !subject.case(&litmus).instance.layout().locks().is_empty();
     let races = matches!(memory, MemoryModel::Relaxed(profile) if profile.has_races());
     let asked = |p: &Property| match p {
         Property::MutualExclusion => locks,
@@ -440,8 +428,7 @@ impl<'a> Endings<'a> {
     ) -> Self {
         let subject = &survey.subject;
         let explore = |litmus: Litmus| {
-            let shader = (subject.make)(&litmus.config(subject.contract));
-            let found = progress::explore(&*shader, subject.contract, &litmus, warp, limits);
+            let found = progress::explore(&subject.case(&litmus), warp, limits);
             (litmus, found)
         };
         Self { survey, warp, all: instances.into_par_iter().map(explore).collect() }
@@ -460,7 +447,7 @@ impl<'a> Endings<'a> {
                 row.verdict = Verdict::Violated;
                 row.instance = litmus.describe();
                 row.steps = Some((lasso.stem.len() + lasso.cycle.len()) as u64);
-                let message = told(lasso);
+                let message = lasso_told(lasso);
                 let schedule = [lasso.stem.as_slice(), lasso.cycle.as_slice()];
                 let (subject, property) = (&self.survey.subject, Property::Termination);
                 (row.token, row.message) =
@@ -482,7 +469,7 @@ impl<'a> Endings<'a> {
 }
 
 /// A lasso in words: A A B (A)^w.
-fn told(lasso: &Lasso) -> String {
+fn lasso_told(lasso: &Lasso) -> String {
     let word = |moves: &[Move]| {
         moves.iter().map(|by| run::label(usize::from(by.invocation))).collect::<String>()
     };

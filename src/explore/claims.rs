@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
+use super::case::Subject;
 use super::check::{self, Plan, Survey};
 use super::exhaustive::Limits;
 use super::litmus::Family;
 use super::machine::Device;
 use super::property::Property;
-use super::shader::subject;
 use super::verdict::{Row, Verdict};
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 
 /// A published claim.
@@ -229,12 +230,18 @@ pub fn claim_by_id(id: &str) -> Result<&'static Claim> {
 }
 
 impl Claim {
-    /// Compute its verdicts: one row per method and memory model. `only`, if it is not empty, picks methods, which need
+    /// Compute its verdicts: one row per method of the catalogue and memory model. `only`, if it is not empty, picks methods, which need
     /// not be among the claim's own.
     ///
     /// # Errors
     /// An unknown method.
-    pub fn check(&self, only: &[String], plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
+    pub fn check(
+        &self,
+        catalogue: &Catalogue,
+        only: &[String],
+        plan: &Plan,
+        limits: &Limits<'_>,
+    ) -> Result<Vec<Row>> {
         let methods: Vec<&str> = if only.is_empty() {
             self.methods.to_vec()
         } else {
@@ -245,7 +252,7 @@ impl Claim {
         }
         let mut rows = Vec::new();
         for method in methods {
-            let subject = subject(method)?;
+            let subject = Subject::new(catalogue.find("METHOD", method)?)?;
             for &memory in &plan.memory {
                 let n = plan.fragments_under(subject.contract, memory);
                 let ks = match self.ks {

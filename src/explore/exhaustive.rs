@@ -4,16 +4,15 @@
 
 use std::collections::BTreeMap;
 
+use super::case::{Case, Task};
 use super::forest::NodeId;
-use super::litmus::{Litmus, Stage};
+use super::litmus::Stage;
 use super::machine::{Device, Final, Machine, Moved};
 use super::model::MemoryModel;
 use super::property::{self, Property};
 use super::schedule::{Move, Schedule};
-use super::shader::{Shader, Task};
 use super::space::{Space, StateId};
-use crate::memory::asked::Cells;
-use crate::scheme::{Contract, Moment};
+use crate::scheme::{Held, Moment};
 
 /// When to stop.
 #[derive(Clone, Copy)]
@@ -53,7 +52,7 @@ pub struct Explored {
     /// Some invocation can repeat itself: there is a cycle, if only of one step.
     pub cyclic: bool,
     /// Every final result, with a shortest schedule to it.
-    pub outcomes: BTreeMap<Vec<Vec<u64>>, Schedule>,
+    pub outcomes: BTreeMap<Vec<Held>, Schedule>,
     /// The first violation of each property.
     pub violations: BTreeMap<Property, Found>,
     /// Operations and blocks reached: file, line, column.
@@ -84,15 +83,8 @@ impl Graph {
 }
 
 /// Explore one instance.
-pub(super) fn explore(
-    shader: &dyn Shader,
-    contract: &Contract,
-    litmus: &Litmus,
-    device: Device,
-    limits: &Limits<'_>,
-) -> Explored {
-    let cells = Cells::new(shader.layout(), litmus.pixels);
-    let machine = Machine::new(shader, contract, &cells, litmus, device, false);
+pub(super) fn explore(case: &Case, device: Device, limits: &Limits<'_>) -> Explored {
+    let machine = Machine::new(case, device, false);
     let groups = match device {
         Device { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
         _ => Vec::new(),
@@ -102,14 +94,11 @@ pub(super) fn explore(
 
 /// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
 pub(super) fn graph<'a>(
-    shader: &'a dyn Shader,
-    contract: &'a Contract,
-    cells: &'a Cells,
-    litmus: &'a Litmus,
+    case: &'a Case,
     device: Device,
     limits: &Limits<'_>,
 ) -> Option<(Graph, Space, Machine<'a>)> {
-    let machine = Machine::new(shader, contract, cells, litmus, device, true);
+    let machine = Machine::new(case, device, true);
     let mut search = Search::new(machine, Vec::new());
     search.mark_movers = true;
     let complete = search.expand_all(limits);
@@ -180,23 +169,24 @@ impl<'a> Search<'a> {
 
     fn run(mut self, limits: &Limits<'_>) -> Explored {
         let complete = self.expand_all(limits);
-        let mut outcomes: BTreeMap<Vec<Vec<u64>>, StateId> = BTreeMap::new();
+        let mut outcomes: BTreeMap<Vec<Held>, StateId> = BTreeMap::new();
         for state in std::mem::take(&mut self.finals) {
             let end = self.finish(state);
-            outcomes.entry(end.lists).or_insert(state);
+            outcomes.entry(end.pixels).or_insert(state);
         }
         let (contract, litmus) = (self.machine.contract, self.machine.litmus);
-        let short = |lists: &Vec<Vec<u64>>| {
-            lists.iter().map(Vec::len).sum::<usize>() < litmus.fragments.len()
+        let short = |pixels: &Vec<Held>| {
+            pixels.iter().map(Held::len).sum::<usize>() < litmus.fragments.len()
         };
         // Of a table that is too small, it may depend on arrival who finds no room.
         let open = contract.crosses && !contract.settled_overflow && outcomes.keys().any(short);
         let one = !open && !property::overflows(contract, litmus);
         if one && outcomes.len() > 1 {
             // The first one that is not the right one; or, if all are right in some way, the second.
-            let expected = property::expected(self.machine.contract, self.machine.litmus);
+            let expected = property::expected(self.machine.case);
+            let is_right = |pixels: &Vec<Held>| expected.as_ref() == Some(pixels);
             let mut states: Vec<(bool, StateId)> =
-                outcomes.iter().map(|(lists, &state)| (*lists == expected, state)).collect();
+                outcomes.iter().map(|(pixels, &state)| (is_right(pixels), state)).collect();
             states.sort_unstable();
             let has_right = states.iter().any(|s| s.0);
             let shown = if has_right { states[0].1 } else { states[1].1 };
@@ -213,7 +203,7 @@ impl<'a> Search<'a> {
             let found = Found { message: message.clone(), schedule: Vec::new() };
             violations.insert(Property::Invariant, found);
         }
-        let outcomes = outcomes.into_iter().map(|(lists, s)| (lists, self.schedule(s, None)));
+        let outcomes = outcomes.into_iter().map(|(pixels, s)| (pixels, self.schedule(s, None)));
         let outcomes = outcomes.collect();
         Explored {
             complete,
@@ -335,8 +325,7 @@ impl<'a> Search<'a> {
             self.violation(Property::Invariant, id, None, || message);
         }
         let end = self.machine.finish(nodes);
-        for (property, message) in property::judge(self.machine.contract, self.machine.litmus, &end)
-        {
+        for (property, message) in property::judge(self.machine.case, &end) {
             self.violation(property, id, None, || message);
         }
     }

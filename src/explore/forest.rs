@@ -8,9 +8,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::shader::{Answer, Ended, Next, Shader, Task};
-use crate::memory::Update;
-use crate::memory::asked::{Action, Cells, Here, OpenBlock, Request, Site};
+use super::case::{Answer, Case, Ended, Next, Task};
+use crate::memory::asked::{Action, Here, OpenBlock, Request, Site};
+use crate::memory::{Address, Numbering, Update};
 
 /// Index of a node.
 pub(super) type NodeId = u32;
@@ -63,8 +63,7 @@ pub(super) struct Node {
 
 /// The trees of one instance's tasks.
 pub(super) struct Forest<'a> {
-    shader: &'a dyn Shader,
-    cells: &'a Cells,
+    case: &'a Case,
     lanes: bool,
     locks: Vec<u32>,
     tasks: Vec<Task>,
@@ -85,14 +84,14 @@ pub(super) struct Forest<'a> {
 }
 
 impl<'a> Forest<'a> {
-    pub(super) fn new(shader: &'a dyn Shader, cells: &'a Cells, pixels: u32, lanes: bool) -> Self {
-        let words = shader.layout().locks();
-        let of_pixel = |p| words.iter().map(move |&word| cells.pixel_word(p, word));
+    pub(super) fn new(case: &'a Case, lanes: bool) -> Self {
+        let words = case.instance.layout().locks();
+        let lock = |pixel, word| Address { pixel: Some(pixel), word, bits: 32 };
+        let of_pixel = |p| words.iter().map(move |&word| case.numbering.number(lock(p, word)));
         Self {
-            shader,
-            cells,
+            case,
             lanes,
-            locks: (0..pixels).flat_map(of_pixel).take(32).collect(),
+            locks: (0..case.litmus.pixels).flat_map(of_pixel).take(32).collect(),
             tasks: Vec::new(),
             roots: Vec::new(),
             nodes: Vec::new(),
@@ -134,10 +133,6 @@ impl<'a> Forest<'a> {
         &self.stacks[self.node(node).blocks as usize]
     }
 
-    pub(super) fn cells(&self) -> &'a Cells {
-        self.cells
-    }
-
     /// Operations and blocks reached: file, line, column.
     pub(super) fn sites(&self) -> &BTreeSet<(&'static str, u32, u32)> {
         &self.sites
@@ -177,8 +172,7 @@ impl<'a> Forest<'a> {
 
     fn grow(&mut self, parent: Option<(NodeId, u64)>, task: u32) -> NodeId {
         let answers = self.answers(parent);
-        let standing =
-            self.shader.follow(self.cells, self.tasks[task as usize], &answers, self.lanes);
+        let standing = self.case.follow(self.tasks[task as usize], &answers, self.lanes);
         for site in standing.opened {
             self.reached(site);
         }
@@ -195,9 +189,9 @@ impl<'a> Forest<'a> {
                 Ok(known) => return known,
                 Err(new) => (Step::Ended(new), None),
             },
-            Next::Ask(Request::Operation { cell, action, site }) => {
+            Next::Ask(Request::Operation { at, action, site }) => {
                 self.reached(site);
-                (Step::Operation(cell, action), Some(site))
+                (Step::Operation(self.case.numbering.number(at), action), Some(site))
             }
             Next::Ask(Request::Merge(site)) => (Step::Merge, Some(site)),
             Next::Ask(Request::Spin(..)) => unreachable!("waits are followed back"),
@@ -283,7 +277,7 @@ impl<'a> Forest<'a> {
             Step::Ended(_) => return (held != 0).then_some(Fault::KeepsLock),
             Step::Merge => return None,
         };
-        if cell == Cells::OUTSIDE {
+        if cell == Numbering::OUTSIDE {
             return Some(Fault::Outside);
         }
         // The clear pass frees locks, too: there nobody holds one.
@@ -352,7 +346,7 @@ impl<'a> Forest<'a> {
     ) -> std::result::Result<bool, String> {
         let follow = |path: &[Answer]| {
             let answers = [twin, path].concat();
-            self.shader.follow(self.cells, self.task(from), &answers, self.lanes).next
+            self.case.follow(self.task(from), &answers, self.lanes).next
         };
         for (node, path) in paths {
             if *compared >= Self::MOST_COMPARISONS {
@@ -390,13 +384,13 @@ impl<'a> Forest<'a> {
         for _ in 0..Self::ROUNDS {
             answers.push(Answer::Again);
             for (&node, &result) in nodes.iter().zip(&round) {
-                let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+                let next = self.case.follow(task, &answers, self.lanes).next;
                 if !self.agrees(node, &next) {
                     return None;
                 }
                 answers.push(result);
             }
-            let next = self.shader.follow(self.cells, task, &answers, self.lanes).next;
+            let next = self.case.follow(task, &answers, self.lanes).next;
             if !matches!(next, Next::Back(..)) {
                 return None;
             }
@@ -435,8 +429,8 @@ impl<'a> Forest<'a> {
         match (self.node(node).step, next) {
             (
                 Step::Operation(cell, action),
-                Next::Ask(Request::Operation { cell: c, action: a, .. }),
-            ) => (cell, action) == (*c, *a),
+                Next::Ask(Request::Operation { at, action: a, .. }),
+            ) => (cell, action) == (self.case.numbering.number(*at), *a),
             (Step::Merge, Next::Ask(Request::Merge(site))) => self.node(node).site == Some(*site),
             _ => false,
         }

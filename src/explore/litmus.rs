@@ -7,11 +7,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::shader::Task;
+use super::case::{Subject, Task};
 use crate::fragment::{Data, Fragment, key};
+use crate::memory::{Declared, Inputs, Layout, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::raster::Grid;
-use crate::scheme::contract::{Barrier, Demand, Keeps, Kind, Pass};
+use crate::scheme::contract::{Demand, Keeps, Kind};
+use crate::scheme::course::{Course, Part};
 use crate::scheme::hash::{Offsets, Settings};
 use crate::scheme::{Config, Contract};
 
@@ -30,6 +32,10 @@ pub struct Litmus {
     pub helpers: u32,
     /// The hash table, for a method that has one.
     pub table: Option<Settings>,
+    /// The words of the method's inputs, in the order of their declaration, each by pixel, data word or place in the
+    /// frame. Words that are not here have the input's default.
+    #[serde(skip)]
+    pub inputs: Vec<Vec<u32>>,
 }
 
 /// Tasks that run at the same time, between two barriers.
@@ -41,14 +47,9 @@ pub struct Stage {
     pub tasks: Vec<Task>,
     /// Which of them are helpers.
     pub helpers: std::ops::Range<usize>,
-    helping: Vec<Task>,
 }
 
 impl Stage {
-    fn new(name: &'static str) -> Self {
-        Self { name, tasks: Vec::new(), helpers: 0..0, helping: Vec::new() }
-    }
-
     /// Whether an invocation is a helper.
     #[must_use]
     pub fn is_helper(&self, invocation: usize) -> bool {
@@ -68,6 +69,20 @@ enum Relation {
 }
 
 impl Litmus {
+    /// One fragment on one pixel: enough to ask a method for its words.
+    #[must_use]
+    pub fn of_one(contract: &Contract) -> Self {
+        Self {
+            pixels: 1,
+            k: contract.default_k.map(|_| 1),
+            room: 1,
+            fragments: vec![(0, 0, 0)],
+            helpers: 0,
+            table: None,
+            inputs: Vec::new(),
+        }
+    }
+
     /// What the method is configured with.
     #[must_use]
     pub fn config(&self, contract: &Contract) -> Config {
@@ -110,69 +125,73 @@ impl Litmus {
         keys
     }
 
-    /// What runs first, one after another; the stages, in each of which all tasks are concurrent; and what runs last,
-    /// one after another. A barrier stands between them all; passes without one between them are one stage.
+    /// The words of the method's inputs.
+    #[must_use]
+    pub fn inputs(&self, layout: &Layout) -> Inputs {
+        let mut inputs = Inputs::defaults(layout);
+        for (input, words) in self.inputs.iter().enumerate().take(layout.inputs().len()) {
+            inputs.fill(input, words.clone());
+        }
+        inputs
+    }
+
+    /// The stages of the method's course, with the invocations that run in each at the same time.
     pub(super) fn stages(
         &self,
         contract: &Contract,
+        course: &Course,
         invocations: impl Fn(usize) -> u32,
-    ) -> [Vec<Stage>; 3] {
-        // Who does not know its rank is like any other of the same depth and data.
+    ) -> Vec<Stage> {
+        course.stages().iter().map(|parts| self.stage(contract, parts, &invocations)).collect()
+    }
+
+    /// Passes first, then the helpers beside their fragments, then what clears and resolves meanwhile.
+    fn stage(
+        &self,
+        contract: &Contract,
+        parts: &[Part],
+        invocations: &impl Fn(usize) -> u32,
+    ) -> Stage {
+        // An invocation that does not know its rank is like any other of the same depth and data.
         let fragments = || {
             let rank = |f: Fragment| if contract.interlock { f.rank } else { 0 };
             self.fragments().map(move |f| Fragment { rank: rank(f), ..f })
         };
-        let tasks = |number: usize, pass: &Pass| -> [Vec<Task>; 2] {
-            let place = number as u8;
-            let of_fragments = |task: &dyn Fn(Fragment) -> Task| {
-                let helpers = fragments().take(self.helpers as usize).map(task);
-                [fragments().map(task).collect(), helpers.collect()]
+        let (mut tasks, mut helping, mut around) = (Vec::new(), Vec::new(), Vec::new());
+        let mut name = None;
+        for part in parts {
+            let Part::Pass(number) = *part else {
+                let pixels = 0..self.pixels;
+                match part {
+                    Part::Clear => {
+                        around.push(Task::ClearFrame);
+                        around.extend(pixels.map(Task::Clear));
+                    }
+                    _ => around.extend(pixels.map(Task::Resolve)),
+                }
+                continue;
+            };
+            let (pass, place) = (&contract.program.passes[number], number as u8);
+            name = name.or(Some(pass.name));
+            let mut of_fragments = |task: &dyn Fn(Fragment) -> Task| {
+                tasks.extend(fragments().map(task));
+                helping.extend(fragments().take(self.helpers as usize).map(task));
             };
             match pass.kind {
                 Kind::Store => of_fragments(&Task::Store),
                 Kind::Prepare => of_fragments(&|fragment| Task::Prepare(place, fragment)),
-                Kind::Screen => {
-                    [(0..self.pixels).map(|p| Task::Screen(place, p)).collect(), Vec::new()]
-                }
+                Kind::Screen => tasks.extend((0..self.pixels).map(|p| Task::Screen(place, p))),
                 Kind::Frame => {
-                    let all = 0..invocations(number);
-                    [all.map(|index| Task::Frame(place, index)).collect(), Vec::new()]
+                    tasks.extend((0..invocations(number)).map(|i| Task::Frame(place, i)));
                 }
             }
-        };
-        let mut first = Stage::new("clear");
-        first.tasks.push(Task::ClearFrame);
-        first.tasks.extend((0..self.pixels).map(Task::Clear));
-        let mut last = Stage::new("resolve");
-        last.tasks.extend((0..self.pixels).map(Task::Resolve));
-        let mut stages: Vec<Stage> = Vec::new();
-        for (number, pass) in contract.program.passes.iter().enumerate() {
-            let apart = pass.before != Barrier::Missing;
-            if apart || stages.is_empty() {
-                stages.push(Stage::new(pass.name));
-            }
-            let Some(stage) = stages.last_mut() else { continue };
-            let [tasks, helpers] = tasks(number, pass);
-            stage.tasks.extend(tasks);
-            stage.helping.extend(helpers);
         }
-        for stage in &mut stages {
-            let begin = stage.tasks.len();
-            stage.tasks.append(&mut stage.helping);
-            stage.helpers = begin..stage.tasks.len();
-        }
-        let overlaps = |pass: Option<&Pass>| pass.is_some_and(|p| p.before == Barrier::Missing);
-        if overlaps(contract.program.passes.first())
-            && let Some(stage) = stages.first_mut()
-        {
-            stage.tasks.append(&mut first.tasks);
-        }
-        if contract.program.before_resolve == Barrier::Missing
-            && let Some(stage) = stages.last_mut()
-        {
-            stage.tasks.append(&mut last.tasks);
-        }
-        [vec![first], stages, vec![last]]
+        let begin = tasks.len();
+        tasks.append(&mut helping);
+        let helpers = begin..tasks.len();
+        tasks.append(&mut around);
+        let alone = if parts == [Part::Clear] { "clear" } else { "resolve" };
+        Stage { name: name.unwrap_or(alone), tasks, helpers }
     }
 
     /// Values for words that nobody wrote: the ends of the range, and what could be mistaken for a fragment. A method
@@ -207,6 +226,10 @@ impl Litmus {
         if self.helpers > 0 {
             let _ = write!(text, " helpers={}", self.helpers);
         }
+        for (input, words) in self.inputs.iter().enumerate() {
+            let words: Vec<String> = words.iter().map(|word| format!("{word:x}")).collect();
+            let _ = write!(text, " input{input}={}", words.join(","));
+        }
         for &(pixel, depth, data) in &self.fragments {
             let place = if self.pixels > 1 { format!("p{pixel}:") } else { String::new() };
             let _ = write!(text, " {place}{depth:x}/{data:x}");
@@ -226,15 +249,79 @@ pub struct Family {
     pub helpers: u32,
 }
 
-/// All instances of a contract, smallest first: by n, then k, then room and pixels, then pattern.
+/// All instances of a method, smallest first: by n, then k, then room and pixels, then pattern.
 #[must_use]
-pub fn instances(contract: &Contract, family: &Family) -> Vec<Litmus> {
-    (1..=family.fragments).flat_map(|n| of_size(contract, family, n)).collect()
+pub fn instances(subject: &Subject, family: &Family) -> Vec<Litmus> {
+    (1..=family.fragments).flat_map(|n| of_size(subject, family, n)).collect()
 }
 
 /// The instances with exactly `n` fragments.
 #[must_use]
-pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
+pub fn of_size(subject: &Subject, family: &Family, n: u32) -> Vec<Litmus> {
+    let all = of_contract(subject.contract, family, n);
+    let Some(first) = all.first() else { return all };
+    let declared = subject.case(first).instance.layout().inputs().to_vec();
+    if declared.is_empty() {
+        return all;
+    }
+    all.into_iter().flat_map(|litmus| with_inputs(litmus, &declared)).collect()
+}
+
+/// An instance with every choice of the values that its inputs are tried with, for up to three words of an input that
+/// matter; with more, of one value for all of them, and the values in turn.
+fn with_inputs(litmus: Litmus, declared: &[Declared]) -> Vec<Litmus> {
+    let mut all = vec![litmus];
+    for input in declared {
+        let longer = |litmus: &Litmus| {
+            let choices = choices(litmus, input);
+            let litmus = litmus.clone();
+            choices.into_iter().map(move |words| {
+                let mut litmus = litmus.clone();
+                litmus.inputs.push(words);
+                litmus
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+/// The words of one input that are tried on an instance.
+fn choices(litmus: &Litmus, input: &Declared) -> Vec<Vec<u32>> {
+    const MOST: usize = 3;
+    let tried = if input.tried.is_empty() { &[input.default][..] } else { input.tried };
+    let mut places: Vec<u32> = match input.per {
+        Per::Pixel => (0..litmus.pixels).collect(),
+        Per::Primitive => litmus.fragments.iter().map(|f| f.2).collect(),
+        Per::Frame(words) => (0..words as u32).collect(),
+    };
+    places.sort_unstable();
+    places.dedup();
+    let spread = |values: &[u32]| {
+        let mut words = vec![input.default; places.last().map_or(0, |&last| last as usize + 1)];
+        for (&place, &value) in places.iter().zip(values) {
+            words[place as usize] = value;
+        }
+        words
+    };
+    let mut values: Vec<Vec<u32>> = vec![Vec::new()];
+    if places.len() <= MOST {
+        for _ in &places {
+            let longer = |head: &Vec<u32>| {
+                let head = head.clone();
+                tried.iter().map(move |&value| [head.as_slice(), &[value]].concat())
+            };
+            values = values.iter().flat_map(longer).collect();
+        }
+    } else {
+        values = tried.iter().map(|&value| vec![value; places.len()]).collect();
+        values.push((0..places.len()).map(|i| tried[i % tried.len()]).collect());
+    }
+    values.iter().map(|values| spread(values)).collect()
+}
+
+/// The instances with exactly `n` fragments, whatever inputs hold.
+fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let ks: Vec<Option<u32>> = if contract.default_k.is_some() {
         family.ks.iter().copied().filter(|&k| k <= contract.max_k).map(Some).collect()
     } else {
@@ -254,7 +341,8 @@ pub fn of_size(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
                     let sorted = fragments(&relations, pixels, contract);
                     let helpers = family.helpers.min(n);
                     for fragments in arrivals(sorted, contract) {
-                        all.push(Litmus { pixels, k, room, fragments, helpers, table: None });
+                        let (table, inputs) = (None, Vec::new());
+                        all.push(Litmus { pixels, k, room, fragments, helpers, table, inputs });
                     }
                 }
             }
@@ -279,7 +367,8 @@ fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
         for table in tables(contract, n, pixels) {
             for fragments in lists.iter().cloned() {
                 let table = Some(table);
-                all.push(Litmus { pixels, k: None, room: n, fragments, helpers, table });
+                let (k, inputs) = (None, Vec::new());
+                all.push(Litmus { pixels, k, room: n, fragments, helpers, table, inputs });
             }
         }
     }
@@ -428,11 +517,12 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::scheme::catalogue;
+    use crate::catalogue;
 
     fn sized(method: &str, n: u32) -> Vec<Litmus> {
         let family = Family { fragments: n, ks: vec![1, 2, 3], helpers: 0 };
-        of_size(catalogue::contract(method).expect("known"), &family, n)
+        let subject = Subject::new(catalogue::method(method).expect("known")).expect("a scheme");
+        of_size(&subject, &family, n)
     }
 
     #[test]

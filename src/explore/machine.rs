@@ -3,20 +3,21 @@
 //! A state is encoded as: a node per invocation; for progress, a word with a bit for each that has moved; for a program
 //! of several stages, a word that says which one, in which round, after which results; the model's memory.
 //!
-//! Stages have equally many invocations: the missing ones have nothing to do. When all of a stage have ended, the next
-//! one begins in the same move.
+//! The stages that are explored are those of the method's course with more in them than clear or resolve alone, which run
+//! one after another. Stages have equally many invocations: the missing ones have nothing to do. When all of a stage have
+//! ended, the next one begins in the same move.
 
 use std::collections::BTreeMap;
 
+use super::case::{Case, Ended, Task};
 use super::forest::{Fault, Forest, NodeId, Step};
 use super::litmus::{Litmus, Stage};
 use super::model::{self, Initial, MemoryModel, Model, Race};
 use super::schedule::Move;
-use super::shader::{Ended, Shader, Task};
-use crate::memory::asked::{Action, Cells, OpenBlock};
-use crate::memory::{Access, Growing, Layout, Order, Snapshot};
-use crate::resolve::sort;
-use crate::scheme::{Contract, Moment, Outcome};
+use crate::memory::asked::{Action, OpenBlock};
+use crate::memory::{Access, Address, Growing, Layout, Numbering, Order, Snapshot};
+use crate::scheme::course::{self, Course, Part};
+use crate::scheme::{Contract, Held, Moment, Outcome};
 
 /// The most invocations that a machine runs at once.
 pub(super) const MOST_INVOCATIONS: usize = 32;
@@ -38,14 +39,17 @@ const MOST_ROUNDS: u32 = 60;
 
 /// An instance, ready to run.
 pub(super) struct Machine<'a> {
+    pub(super) case: &'a Case,
     pub(super) litmus: &'a Litmus,
     pub(super) contract: &'a Contract,
     pub(super) forest: Forest<'a>,
+    /// Those that are explored.
     pub(super) stages: Vec<Stage>,
     /// Invocations of every stage.
     pub(super) width: usize,
-    shader: &'a dyn Shader,
-    cells: &'a Cells,
+    course: Course,
+    /// Stages of the course before the first that is explored: what clears alone.
+    before: usize,
     device: Device,
     model: Box<dyn Model>,
     after: Vec<Task>,
@@ -55,8 +59,8 @@ pub(super) struct Machine<'a> {
     stage_word: Option<usize>,
     /// Of the loaded state.
     at: At,
-    /// The results of earlier rounds: every pixel's keys.
-    results: Vec<Vec<Vec<u64>>>,
+    /// The results of earlier rounds: what every pixel holds.
+    results: Vec<Vec<Held>>,
     /// Words that only grow while fragments are stored; empty where there are none.
     growing: Vec<bool>,
     /// By stage: it stores fragments, and does nothing else.
@@ -99,24 +103,24 @@ pub(super) struct Moved {
 /// How a finished run ended.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Final {
-    /// Every pixel's fragments, in canonical order.
-    pub lists: Vec<Vec<u64>>,
+    /// What every pixel holds, in canonical order.
+    pub pixels: Vec<Held>,
     /// What became of each fragment, as far as its invocation knows.
     pub outcomes: Vec<Outcome>,
 }
 
 impl<'a> Machine<'a> {
-    pub(super) fn new(
-        shader: &'a dyn Shader,
-        contract: &'a Contract,
-        cells: &'a Cells,
-        litmus: &'a Litmus,
-        device: Device,
-        progress: bool,
-    ) -> Self {
-        let [before, mut stages, after] = litmus.stages(contract, |pass| shader.invocations(pass));
-        let flat = |stages: Vec<Stage>| stages.into_iter().flat_map(|s| s.tasks).collect();
-        let (before, after): (Vec<Task>, Vec<Task>) = (flat(before), flat(after));
+    pub(super) fn new(case: &'a Case, device: Device, progress: bool) -> Self {
+        let Case { contract, instance, numbering, litmus, .. } = case;
+        let course = Course::of(&contract.program);
+        let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
+        let alone = |parts: Option<&Vec<Part>>, part| parts.is_some_and(|parts| *parts == [part]);
+        let mut after = Vec::new();
+        if alone(course.stages().last(), Part::Resolve) {
+            after = stages.pop().map(|stage| stage.tasks).unwrap_or_default();
+        }
+        let before = usize::from(alone(course.stages().first(), Part::Clear));
+        let clearing: Vec<Task> = stages.drain(..before).flat_map(|stage| stage.tasks).collect();
         let width = stages.iter().map(|s| s.tasks.len()).max().unwrap_or(0);
         assert!(width <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
         stages.iter_mut().for_each(|stage| stage.tasks.resize(width, Task::Idle));
@@ -124,29 +128,30 @@ impl<'a> Machine<'a> {
             stage.tasks.iter().all(|task| matches!(task, Task::Store(_) | Task::Idle))
         };
         let storing = stages.iter().map(stores).collect();
-        let mut forest = Forest::new(shader, cells, litmus.pixels, device.warp.is_some());
-        let cleared = clear(&mut forest, &before, cells.count() as usize);
+        let mut forest = Forest::new(case, device.warp.is_some());
+        let cleared = clear(&mut forest, &clearing, numbering);
         let candidates = litmus.candidates();
-        let model = model::make(device.memory, cells, &cleared, &candidates, width);
+        let model = model::make(device.memory, numbering, &cleared, &candidates, width);
         let several = stages.len() > 1 || contract.program.repeats;
         let stage_word = several.then_some(width + usize::from(progress));
         let head = width + usize::from(progress) + usize::from(several);
         let mut machine = Self {
+            case,
             litmus,
             contract,
             forest,
             stages,
             width,
-            shader,
-            cells,
+            course,
+            before,
             device,
             model,
             after,
             head,
             stage_word,
             at: At::default(),
-            results: vec![vec![Vec::new(); litmus.pixels as usize]],
-            growing: growing(shader.layout(), cells),
+            results: vec![vec![case.method.holds().empty(); litmus.pixels as usize]],
+            growing: growing(instance.layout(), numbering),
             storing,
             full: false,
             initial: Vec::new(),
@@ -185,33 +190,40 @@ impl<'a> Machine<'a> {
         let mut wrong = None;
         while self.live(&state[..self.width]) == 0 {
             let at = self.at;
-            if (at.stage as usize) + 1 < self.stages.len() {
+            let here = course::At { stage: at.stage as usize + self.before, round: at.round };
+            if let Some(next) = self.explored(self.course.after(here, false)) {
                 self.model.barrier(&BTreeMap::new());
-                self.begin(At { stage: at.stage + 1, ..at }, state);
+                self.begin(At { stage: next.stage, ..at }, state);
                 continue;
             }
             if !self.contract.program.repeats {
                 break;
             }
             let (mut end, written, again) = self.resolved(&state[..self.width]);
-            if !again {
-                break;
-            }
+            let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
+            let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
             if at.round == MOST_ROUNDS {
                 self.full = true;
                 break;
             }
             wrong = wrong.or(self.invariant(Moment::Quiet).err());
-            end.lists.iter_mut().for_each(|list| sort::canonical(list));
-            let known = self.results.iter().position(|r| *r == end.lists);
+            end.pixels.iter_mut().for_each(Held::sort);
+            let known = self.results.iter().position(|r| *r == end.pixels);
             let results = known.unwrap_or_else(|| {
-                self.results.push(end.lists);
+                self.results.push(end.pixels);
                 self.results.len() - 1
             });
             self.model.barrier(&written);
-            self.begin(At { stage: 0, round: at.round + 1, results: results as u32 }, state);
+            self.begin(At { results: results as u32, ..next }, state);
         }
         wrong
+    }
+
+    /// A stage of the course as one of those that are explored, if it is one.
+    fn explored(&self, at: Option<course::At>) -> Option<At> {
+        let course::At { stage, round } = at?;
+        let stage = stage - self.before;
+        (stage < self.stages.len()).then_some(At { stage: stage as u32, round, results: 0 })
     }
 
     /// The stage of the loaded state.
@@ -253,8 +265,8 @@ impl<'a> Machine<'a> {
         self.head
     }
 
-    pub(super) fn cells(&self) -> &Cells {
-        self.cells
+    pub(super) fn numbering(&self) -> &Numbering {
+        &self.case.numbering
     }
 
     /// Bits of the invocations that have not ended.
@@ -336,10 +348,10 @@ impl<'a> Machine<'a> {
 
     /// A helper's writes have no effect, and its updates return anything.
     fn helper(&mut self, invocation: usize, cell: u32, action: Action, alternative: u16) -> u64 {
-        if cell == Cells::OUTSIDE {
+        if cell == Numbering::OUTSIDE {
             return 0;
         }
-        let width = self.cells.name(cell).bits;
+        let width = self.numbering().address(cell).bits;
         match (action, alternative) {
             (Action::Write(..), _) | (Action::Update(..), 0) => 0,
             (Action::Update(..), 1) => 1,
@@ -377,25 +389,25 @@ impl<'a> Machine<'a> {
 
     /// What the method says of itself in the loaded state.
     pub(super) fn invariant(&self, moment: Moment) -> Result<(), String> {
-        let value = |cell: u32| self.model.settled(cell);
-        let words = Snapshot { cells: self.cells, value: &value };
-        (0..self.litmus.pixels).try_for_each(|p| self.shader.invariant(&words, p, moment))
+        let value = |address: Address| self.model.settled(self.numbering().number(address));
+        let words = Snapshot { value: &value };
+        (0..self.litmus.pixels).try_for_each(|p| self.case.instance.invariant(&words, p, moment))
     }
 
     /// How the loaded state ends, all invocations having ended: the lists after resolve.
     pub(super) fn finish(&mut self, nodes: &[NodeId]) -> Final {
         let (mut end, ..) = self.resolved(nodes);
-        end.lists.iter_mut().for_each(|list| sort::canonical(list));
+        end.pixels.iter_mut().for_each(Held::sort);
         end
     }
 
     /// The same, with the lists in any order, what resolve wrote, and whether some pixel needs another round.
     fn resolved(&mut self, nodes: &[NodeId]) -> (Final, BTreeMap<u32, u64>, bool) {
-        let mut lists = self.results[self.at.results as usize].clone();
+        let mut pixels = self.results[self.at.results as usize].clone();
         let (mut outcomes, mut again) = (Vec::new(), false);
         let mut found = |ended: &Ended| match ended {
-            Ended::Resolved(pixel, keys, more) => {
-                lists[*pixel as usize].extend_from_slice(keys);
+            Ended::Resolved(pixel, held, more) => {
+                pixels[*pixel as usize].append(held.clone());
                 again |= *more;
             }
             Ended::Stored(outcome) => outcomes.push(*outcome),
@@ -413,27 +425,27 @@ impl<'a> Machine<'a> {
             let node = {
                 let model = &self.model;
                 let garbage = |cell| model.settled(cell).unwrap_or(u64::MAX);
-                memory.run(&mut self.forest, task, &garbage, self.cells)
+                memory.run(&mut self.forest, task, &garbage, &self.case.numbering)
             };
             if let Step::Ended(end) = self.forest.node(node).step {
                 found(self.forest.ended(end));
             }
         }
-        (Final { lists, outcomes }, memory.written, again)
+        (Final { pixels, outcomes }, memory.written, again)
     }
 }
 
 /// By number: whether a word only grows. Empty where none does.
-fn growing(layout: &Layout, cells: &Cells) -> Vec<bool> {
+fn growing(layout: &Layout, numbering: &Numbering) -> Vec<bool> {
     if layout.growing().is_empty() {
         return Vec::new();
     }
     let grows = |cell: u32| {
-        let name = cells.name(cell);
-        let fits = |g: &Growing| g.bits == name.bits && g.words.contains(&name.word);
-        name.pixel.is_none() && layout.growing().iter().any(fits)
+        let at = numbering.address(cell);
+        let fits = |g: &Growing| g.bits == at.bits && g.words.contains(&at.word);
+        at.pixel.is_none() && layout.growing().iter().any(fits)
     };
-    (0..cells.count() as u32).map(grows).collect()
+    (0..numbering.count() as u32).map(grows).collect()
 }
 
 /// Words written by invocations that run one after another.
@@ -451,15 +463,15 @@ impl Overlay {
         forest: &mut Forest<'_>,
         task: Task,
         below: &dyn Fn(u32) -> u64,
-        cells: &Cells,
+        numbering: &Numbering,
     ) -> NodeId {
         let mut node = forest.root(task);
         for _ in 0..Self::MOST_STEPS {
             let result = match forest.node(node).step {
                 Step::Ended(_) => break,
-                Step::Merge | Step::Operation(Cells::OUTSIDE, _) => 0,
+                Step::Merge | Step::Operation(Numbering::OUTSIDE, _) => 0,
                 Step::Operation(cell, action) => {
-                    let bits = cells.name(cell).bits;
+                    let bits = numbering.address(cell).bits;
                     let old = self.written.get(&cell).copied();
                     let old = || old.unwrap_or_else(|| model::cut(below(cell), bits));
                     match action {
@@ -483,15 +495,14 @@ impl Overlay {
 }
 
 /// The words after the clear pass.
-fn clear(forest: &mut Forest<'_>, tasks: &[Task], count: usize) -> Vec<Initial> {
+fn clear(forest: &mut Forest<'_>, tasks: &[Task], numbering: &Numbering) -> Vec<Initial> {
     let mut memory = Overlay { written: BTreeMap::new() };
     for &task in tasks {
-        let cells = forest.cells();
-        memory.run(forest, task, &|_| 0, cells);
+        memory.run(forest, task, &|_| 0, numbering);
     }
     let initial = |cell: u32| match memory.written.get(&cell) {
         Some(&value) => Initial::Written(value),
         None => Initial::Unwritten,
     };
-    (0..count as u32).map(initial).collect()
+    (0..numbering.count() as u32).map(initial).collect()
 }

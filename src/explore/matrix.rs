@@ -7,18 +7,18 @@
 
 use serde::Serialize;
 
+use super::case::Subject;
 use super::check::{self, Plan, Survey};
 use super::exhaustive::Limits;
 use super::litmus::Family;
 use super::machine::Device;
 use super::model::{MemoryModel, Profile};
 use super::property::Property;
-use super::shader::{Subject, subject};
 use super::verdict::Verdict;
+use crate::catalogue::Catalogue;
+use crate::catalogue::faults::MUTATIONS;
 use crate::error::{Error, Result};
-use crate::scheme::contract::{Contract, Form};
-use crate::scheme::contracts;
-use crate::scheme::mutation::MUTATIONS;
+use crate::scheme::contract::Form;
 
 /// What a check made of a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -97,21 +97,26 @@ pub struct Line {
 ///
 /// # Errors
 /// There is no such fault, or it is not built in.
-pub fn matrix(only: Option<&str>, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Line>> {
+pub fn matrix(
+    catalogue: &Catalogue,
+    only: Option<&str>,
+    plan: &Plan,
+    limits: &Limits<'_>,
+) -> Result<Vec<Line>> {
     let mut lines = Vec::new();
     if let Some(id) = only {
         built_in(id)?;
     }
     if only.is_none() {
-        let correct = contracts().into_iter().filter(|c| c.form == Form::Correct);
-        for contract in correct.filter(|c| c.name != "exact") {
-            lines.push(control(&subject(contract.name)?, plan, limits));
+        for method in catalogue.promised().filter(|m| m.contract().form == Form::Correct) {
+            lines.push(control(&Subject::new(method)?, plan, limits));
         }
     }
     let chosen = MUTATIONS.iter().filter(|m| only.is_none_or(|id| m.id.eq_ignore_ascii_case(id)));
     for mutation in chosen {
         for variant in mutation.variants {
-            lines.push(fault(mutation.id, &subject(variant)?, plan, limits)?);
+            let subject = Subject::new(catalogue.find("METHOD", variant)?)?;
+            lines.push(fault(catalogue, mutation.id, &subject, plan, limits)?);
         }
     }
     Ok(lines)
@@ -143,12 +148,18 @@ fn control(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Line {
 }
 
 /// A fault, beside the form that it was put into.
-fn fault(id: &str, subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Result<Line> {
+fn fault(
+    catalogue: &Catalogue,
+    id: &str,
+    subject: &Subject,
+    plan: &Plan,
+    limits: &Limits<'_>,
+) -> Result<Line> {
     let examined = Examined::new(subject, plan, limits);
     if !examined.kills.is_empty() {
         return Ok(examined.line(id, Fate::Killed));
     }
-    let base = self::subject(base(subject.contract))?;
+    let base = Subject::new(catalogue.find("METHOD", subject.contract.base_name())?)?;
     let without = Examined::new(&base, plan, limits);
     let fate = match (examined.complete && without.complete, examined.equals(&without)) {
         (true, true) => Fate::Equivalent,
@@ -156,11 +167,6 @@ fn fault(id: &str, subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Resul
         (false, _) => Fate::Unknown,
     };
     Ok(examined.line(id, fate))
-}
-
-/// The correct form that a variant belongs to.
-fn base(contract: &Contract) -> &str {
-    contract.base_name()
 }
 
 /// A variant after all checks.

@@ -4,19 +4,20 @@
 //! schedule is followed as far as it goes; moves of invocations that have ended are left out, and who is left over runs
 //! to its end in order.
 
+use super::case::{Case, Subject};
 use super::exhaustive::{self, Limits};
 use super::litmus::Litmus;
 use super::machine::{Device, MOST_INVOCATIONS};
 use super::model::MemoryModel;
 use super::property::Property;
 use super::run::{Run, Runner, run};
-use super::scene::{expected, litmus_of};
+use super::scene::litmus_of;
 use super::schedule::{Move, Schedule, switches};
-use super::shader::{Shader, Subject, subject};
 use super::token::LitmusToken;
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::memory::asked::Cells;
-use crate::render::{Exec, Options, Sim, render};
+use crate::render::{Exec, Options, Sim, reference, render};
+use crate::resolve::Kept;
 use crate::scene::Scene;
 
 /// Steps after which a candidate is given up.
@@ -38,8 +39,12 @@ struct Failure {
 ///
 /// # Errors
 /// An unknown method, or a token that does not show its violation.
-pub fn minimise_litmus(token: &LitmusToken, limits: &Limits<'_>) -> Result<LitmusToken> {
-    let subject = subject(&token.method)?;
+pub fn minimise_litmus(
+    catalogue: &Catalogue,
+    token: &LitmusToken,
+    limits: &Limits<'_>,
+) -> Result<LitmusToken> {
+    let subject = Subject::new(catalogue.find("TOKEN", &token.method)?)?;
     let property = Property::ALL.into_iter().find(|p| p.name() == token.property);
     let property = property.ok_or_else(|| unfit("names a property that fragloom does not know"))?;
     if property == Property::Termination {
@@ -66,22 +71,18 @@ pub fn minimise_scene(
     options: &Options,
     limits: &Limits<'_>,
 ) -> Result<LitmusToken> {
-    let subject = subject(&options.method)?;
-    let expected = expected(subject.contract, scene, options)?;
-    let all = Options {
-        method: "exact".to_owned(),
-        k: None,
-        exec: Exec::Tile,
-        depth_format: options.depth_format.or(subject.contract.depth_format),
-        ..options.clone()
+    let subject = Subject::new(options.method)?;
+    let reference = reference(scene, options)?;
+    let found = render(scene, options)?;
+    let found = found.lists()?;
+    let Some(Kept::Fragments(expected)) = &reference.kept else {
+        return Err(unfit("is of a method that gives no lists of fragments"));
     };
-    let sizes = render(scene, &all)?.lists;
-    let found = render(scene, options)?.lists;
     let [width, height] = scene.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let wrong = pixels.filter(|&[x, y]| found.pixel(x, y) != expected.pixel(x, y));
     let mut wrong: Vec<(usize, [u32; 2])> =
-        wrong.map(|[x, y]| (sizes.pixel(x, y).len(), [x, y])).collect();
+        wrong.map(|[x, y]| (reference.all.pixel(x, y).len(), [x, y])).collect();
     wrong.sort_unstable();
     if wrong.is_empty() {
         return Err(unfit("shows no difference from the exact fragments"));
@@ -110,8 +111,7 @@ fn cut(
     let moves = watched
         .staged()
         .map(|(stage, i)| (Some(stage), Move { invocation: i as u8, alternative: 0 }));
-    let shader = (subject.make)(&litmus.config(subject.contract));
-    let (schedule, run) = follow(&*shader, subject, &litmus, device, moves);
+    let (schedule, run) = follow(&subject.case(&litmus), device, moves);
     let property = [Property::Keeps, Property::Intact]
         .into_iter()
         .find(|p| run.violations().any(|(found, _)| found == p));
@@ -121,14 +121,11 @@ fn cut(
 /// Follow moves as far as they go, then run whoever is left. A move may say to which stage it belongs: whoever is left
 /// in the stages before it then runs first.
 fn follow(
-    shader: &dyn Shader,
-    subject: &Subject,
-    litmus: &Litmus,
+    case: &Case,
     device: Device,
     moves: impl Iterator<Item = (Option<usize>, Move)>,
 ) -> (Schedule, Run) {
-    let cells = Cells::new(shader.layout(), litmus.pixels);
-    let mut runner = Runner::new(shader, subject.contract, &cells, litmus, device);
+    let mut runner = Runner::new(case, device);
     let mut schedule = Schedule::new();
     let mut take = |runner: &mut Runner<'_>, by: Move| {
         let ways = runner.alternatives(usize::from(by.invocation));
@@ -173,14 +170,8 @@ impl Failure {
 
     /// Whether a candidate shows the violation; its schedule if it does.
     fn shows(&self, litmus: &Litmus, moves: &[Move]) -> Option<Schedule> {
-        let shader = (self.subject.make)(&litmus.config(self.subject.contract));
-        let (schedule, run) = follow(
-            &*shader,
-            &self.subject,
-            litmus,
-            self.device,
-            moves.iter().map(|&by| (None, by)),
-        );
+        let moves = moves.iter().map(|&by| (None, by));
+        let (schedule, run) = follow(&self.subject.case(litmus), self.device, moves);
         run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
     }
 
@@ -244,9 +235,8 @@ impl Failure {
         if self.litmus.fragments.len() > SEARCHED {
             return;
         }
-        let shader = (self.subject.make)(&self.litmus.config(self.subject.contract));
-        let contract = self.subject.contract;
-        let explored = exhaustive::explore(&*shader, contract, &self.litmus, self.device, limits);
+        let case = self.subject.case(&self.litmus);
+        let explored = exhaustive::explore(&case, self.device, limits);
         if let Some(found) = explored.violations.get(&self.property)
             && found.schedule.len() < self.schedule.len()
         {
@@ -255,11 +245,9 @@ impl Failure {
     }
 
     fn token(&self) -> Result<LitmusToken> {
-        let shader = (self.subject.make)(&self.litmus.config(self.subject.contract));
-        let contract = self.subject.contract;
-        let run = run(&*shader, contract, &self.litmus, self.device, &self.schedule)?;
+        let run = run(&self.subject.case(&self.litmus), self.device, &self.schedule)?;
         let schedule: [&[Move]; 2] = [&self.schedule, &[]];
-        let (name, property) = (contract.name, self.property.name());
+        let (name, property) = (self.subject.method.name(), self.property.name());
         Ok(LitmusToken::new(name, property, &self.litmus, self.device, schedule, &run))
     }
 }

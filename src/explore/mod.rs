@@ -4,6 +4,7 @@
 //! the contract ([`litmus`]), explores them under a memory model ([`explore`]), and answers *verified* with its
 //! bound, *violated* with a schedule that can be run again, or *unknown*.
 
+mod case;
 pub mod check;
 pub mod claims;
 mod exhaustive;
@@ -22,7 +23,6 @@ pub mod run;
 pub mod scene;
 pub mod schedule;
 mod sequential;
-mod shader;
 mod sites;
 mod space;
 pub mod stability;
@@ -30,6 +30,7 @@ pub mod token;
 mod verdict;
 mod walk;
 
+pub use case::{Case, Ended, Subject, Task};
 pub use check::{Plan, Survey, check, properties, termination};
 pub use exhaustive::{Explored, Found, Limits};
 pub use litmus::{Family, Litmus};
@@ -38,7 +39,6 @@ pub use model::{MemoryModel, Profile};
 pub use progress::Progress;
 pub use property::Property;
 pub use scene::{Executions, cut, sampled, survey};
-pub use shader::{Ended, Subject, Task, subject};
 pub use token::Token;
 pub use verdict::{Row, Verdict};
 
@@ -50,6 +50,5 @@ pub fn explore(
     device: Device,
     limits: &Limits<'_>,
 ) -> Explored {
-    let shader = (subject.make)(&litmus.config(subject.contract));
-    exhaustive::explore(&*shader, subject.contract, litmus, device, limits)
+    exhaustive::explore(&subject.case(litmus), device, limits)
 }

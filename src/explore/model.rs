@@ -5,8 +5,8 @@
 
 use super::relaxed::Relaxed;
 use super::sequential::Sequential;
-use crate::memory::asked::{Action, Cells};
-use crate::memory::{Access, Order};
+use crate::memory::asked::Action;
+use crate::memory::{Access, Numbering, Order};
 
 /// How memory behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -163,7 +163,7 @@ pub(super) trait Model {
 /// Make the model's memory for some initial words. `candidates` are the values that an unwritten word is given.
 pub(super) fn make(
     model: MemoryModel,
-    cells: &Cells,
+    cells: &Numbering,
     initial: &[Initial],
     candidates: &[u64],
     invocations: usize,

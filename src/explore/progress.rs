@@ -7,15 +7,13 @@
 //! fair cycle refutes termination; stem and cycle together are the lasso. Progress is explored under sequential
 //! consistency.
 
+use super::case::{Case, Subject};
 use super::exhaustive::{Graph, Limits, graph};
 use super::litmus::Litmus;
 use super::machine::{Device, MOST_INVOCATIONS, Machine};
 use super::model::MemoryModel;
 use super::schedule::{Move, Schedule};
-use super::shader::{Shader, Subject};
 use super::space::{Space, StateId};
-use crate::memory::asked::Cells;
-use crate::scheme::Contract;
 
 /// Whom a device guarantees to schedule again and again, as long as they have not ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -98,21 +96,13 @@ pub fn ends(
     warp: Option<u32>,
     limits: &Limits<'_>,
 ) -> Option<Progressed> {
-    let shader = (subject.make)(&litmus.config(subject.contract));
-    explore(&*shader, subject.contract, litmus, warp, limits)
+    explore(&subject.case(litmus), warp, limits)
 }
 
 /// Whether an instance ends under every model; `None` if its graph was not completed.
-pub(super) fn explore(
-    shader: &dyn Shader,
-    contract: &Contract,
-    litmus: &Litmus,
-    warp: Option<u32>,
-    limits: &Limits<'_>,
-) -> Option<Progressed> {
-    let cells = Cells::new(shader.layout(), litmus.pixels);
+pub(super) fn explore(case: &Case, warp: Option<u32>, limits: &Limits<'_>) -> Option<Progressed> {
     let device = Device { memory: MemoryModel::Sequential, warp };
-    let (graph, space, machine) = graph(shader, contract, &cells, litmus, device, limits)?;
+    let (graph, space, machine) = graph(case, device, limits)?;
     Some(Endings { graph, space, machine }.run())
 }
 
@@ -339,7 +329,8 @@ mod tests {
 
     /// Look at a hand-made graph, whose state n was reached by n moves of invocation 7.
     fn look<T>(graph: Graph, at: impl Fn(&Endings<'_>) -> T) -> T {
-        let subject = super::super::subject("z-buffer").expect("a method");
+        let method = crate::catalogue::method("z-buffer").expect("a method");
+        let subject = Subject::new(method).expect("no oracle");
         let litmus = Litmus {
             pixels: 1,
             k: None,
@@ -347,11 +338,11 @@ mod tests {
             fragments: vec![(0, 0, 0)],
             helpers: 0,
             table: None,
+            inputs: Vec::new(),
         };
-        let shader = (subject.make)(&litmus.config(subject.contract));
-        let cells = Cells::new(shader.layout(), 1);
+        let case = subject.case(&litmus);
         let device = Device { memory: MemoryModel::Sequential, warp: None };
-        let machine = Machine::new(&*shader, subject.contract, &cells, &litmus, device, true);
+        let machine = Machine::new(&case, device, true);
         let mut space = Space::new();
         for state in 0..graph.states() as StateId {
             let by = Move { invocation: 7, alternative: 0 };

@@ -1,13 +1,14 @@
 //! What is checked.
 
+use super::case::Case;
 use super::forest::Fault;
 use super::litmus::Litmus;
 use super::machine::Final;
 use crate::exec::account::Judgement;
-use crate::fragment::{data_of, depth_of};
+use crate::fragment::depth_of;
 use crate::scheme::contract::Keeps;
 use crate::scheme::visible::is_hidden;
-use crate::scheme::{Contract, Outcome};
+use crate::scheme::{Contract, Held, Outcome};
 
 /// A property of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -95,34 +96,41 @@ pub(super) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
 }
 
 /// What a finished run did wrong.
-pub(super) fn judge(contract: &Contract, litmus: &Litmus, run: &Final) -> Vec<(Property, String)> {
+pub(super) fn judge(case: &Case, run: &Final) -> Vec<(Property, String)> {
+    let (contract, litmus) = (case.contract, &case.litmus);
     let mut wrong = Vec::new();
     let mut judgement = Judgement::default();
-    for (pixel, list) in (0..).zip(&run.lists) {
+    for (pixel, held) in (0..).zip(&run.pixels) {
         let generated = litmus.generated(pixel);
         let reports = reports(litmus, run, pixel);
-        let kept = if contract.crosses {
-            keeps_of_table(contract, litmus, &generated, list, &run.outcomes)
-        } else {
-            keeps(contract, litmus, &generated, list, &reports)
+        let kept = match held {
+            Held::Keys(list) if contract.crosses => {
+                keeps_of_table(contract, litmus, &generated, list, &run.outcomes)
+            }
+            Held::Keys(list) if !contract.keeps.is_approximate() => {
+                keeps(case, pixel, &generated, list, &reports)
+            }
+            held => as_expected(case, pixel, held),
         };
         if let Some(message) = kept {
             wrong.push((Property::Keeps, format!("{}{message}", place(litmus, pixel))));
         }
-        judgement.pixel(&generated, list, None);
+        if let Held::Keys(list) = held {
+            judgement.pixel(&generated, list, None);
+        }
         let gone = reports.iter().filter(|&&o| o != Outcome::Kept).count();
-        if !contract.judged && !contract.crosses && list.len() + gone != generated.len() {
+        let there = held.len() + held.merged() as usize;
+        if !contract.judged && !contract.crosses && there + gone != generated.len() {
             let message = format!(
-                "{}{} generated, {} in the list, {gone} reported as gone",
+                "{}{} generated, {there} in the list, {gone} reported as gone",
                 place(litmus, pixel),
                 generated.len(),
-                list.len()
             );
             wrong.push((Property::Accounting, message));
         }
     }
     if contract.crosses {
-        let listed: usize = run.lists.iter().map(Vec::len).sum();
+        let listed: usize = run.pixels.iter().map(Held::len).sum();
         let gone = run.outcomes.iter().filter(|&&o| o != Outcome::Kept).count();
         if listed + gone != litmus.fragments.len() {
             let n = litmus.fragments.len();
@@ -148,15 +156,22 @@ fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
     own.map(|(_, &outcome)| outcome).collect()
 }
 
+/// Of what is no plain list of fragments: it is what the method says, if that may not depend on arrival.
+fn as_expected(case: &Case, pixel: u32, held: &Held) -> Option<String> {
+    let open = case.contract.arrival_dependent || overflows(case.contract, &case.litmus);
+    let expected = case.expected(pixel).filter(|_| !open)?;
+    (expected != *held).then(|| format!("{held} instead of {expected}"))
+}
+
 fn keeps(
-    contract: &Contract,
-    litmus: &Litmus,
+    case: &Case,
+    pixel: u32,
     generated: &[u64],
     list: &[u64],
     reports: &[Outcome],
 ) -> Option<String> {
-    let mut expected = generated.to_vec();
-    contract.keep(&mut expected, litmus.k);
+    let (contract, litmus) = (case.contract, &case.litmus);
+    let expected = case.expected(pixel).and_then(|held| held.keys().map(<[u64]>::to_vec))?;
     let dropped = reports.iter().filter(|o| matches!(o, Outcome::Overflow | Outcome::Pool)).count();
     let right = match contract.keeps {
         // Drops by arrival: any of the fragments may be missing, but no more than were reported and than do not fit.
@@ -169,7 +184,7 @@ fn keeps(
             enough && list.len() + dropped == generated.len() && is_part(list, generated)
         }
         // By depth alone, whoever of the equal ones came first.
-        Keeps::Nearest if contract.arrival_dependent => {
+        Keeps::Nearest | Keeps::NearestBy(_) if contract.arrival_dependent => {
             let depths = |keys: &[u64]| keys.iter().map(|&key| depth_of(key)).collect::<Vec<_>>();
             depths(list) == depths(&expected) && is_part(list, generated)
         }
@@ -201,14 +216,9 @@ fn keeps_of_table(
     (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
 }
 
-/// What every pixel should hold, where the contract leaves no choice.
-pub(super) fn expected(contract: &Contract, litmus: &Litmus) -> Vec<Vec<u64>> {
-    let pixel = |pixel: u32| {
-        let mut keys = litmus.generated(pixel);
-        contract.keep(&mut keys, litmus.k);
-        keys
-    };
-    (0..litmus.pixels).map(pixel).collect()
+/// What every pixel must hold, where room and arrival have no say; `None` if the method does not say.
+pub(super) fn expected(case: &Case) -> Option<Vec<Held>> {
+    (0..case.litmus.pixels).map(|pixel| case.expected(pixel)).collect()
 }
 
 /// Whether one sorted list's entries are among another's.
@@ -218,9 +228,6 @@ fn is_part(part: &[u64], whole: &[u64]) -> bool {
 }
 
 /// Keys as depth/data, hexadecimal.
-#[must_use]
-pub(super) fn keys(keys: &[u64]) -> String {
-    let text: Vec<String> =
-        keys.iter().map(|&key| format!("{:x}/{:x}", depth_of(key), data_of(key))).collect();
-    format!("[{}]", text.join(" "))
+fn keys(keys: &[u64]) -> String {
+    Held::Keys(keys.to_vec()).to_string()
 }

@@ -22,8 +22,8 @@
 //! may still race, and nothing else.
 
 use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of};
-use crate::memory::asked::{Action, Cells};
-use crate::memory::{Order, Update};
+use crate::memory::asked::Action;
+use crate::memory::{Numbering, Order, Update};
 
 /// Kinds of recorded accesses, by (write, plain).
 const KINDS: usize = 4;
@@ -103,7 +103,7 @@ struct Choice {
 
 impl Relaxed {
     pub(super) fn new(
-        cells: &Cells,
+        cells: &Numbering,
         initial: &[Initial],
         candidates: &[u64],
         invocations: usize,
@@ -120,7 +120,7 @@ impl Relaxed {
         Self {
             profile,
             candidates: candidates.to_vec(),
-            bits: (0..initial.len() as u32).map(|cell| cells.name(cell).bits).collect(),
+            bits: (0..initial.len() as u32).map(|cell| cells.address(cell).bits).collect(),
             invocations,
             messages: initial.iter().map(message).collect(),
             threads: threads(&empty),
@@ -290,7 +290,7 @@ impl Model for Relaxed {
     }
 
     fn alternatives(&mut self, invocation: usize, cell: u32, action: Action) -> usize {
-        if cell == Cells::OUTSIDE {
+        if cell == Numbering::OUTSIDE {
             return 1;
         }
         self.choices(invocation, cell as usize, action).len()
@@ -298,7 +298,7 @@ impl Model for Relaxed {
 
     fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64 {
         self.race = None;
-        if cell == Cells::OUTSIDE {
+        if cell == Numbering::OUTSIDE {
             return 0;
         }
         let cell = cell as usize;

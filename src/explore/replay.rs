@@ -1,15 +1,17 @@
 //! Running a token again, and showing it: one column per invocation, the words that change, and the step after which
 //! the result could no longer be right.
 
+use super::case::{Case, Subject, Task};
 use super::exhaustive::Limits;
 use super::machine::Device;
-use super::property::{self, Property};
+use super::property::Property;
 use super::run::{Event, Run, Runner, describe, label, run};
 use super::schedule::Move;
-use super::shader::{Shader, Subject, Task, subject};
 use super::token::LitmusToken;
+use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::memory::asked::{Action, CellName, Cells};
+use crate::memory::Address;
+use crate::memory::asked::Action;
 
 /// A token's run.
 #[derive(Clone, Debug)]
@@ -25,28 +27,26 @@ pub struct Replay {
 /// States that are searched, for each step that is asked about.
 const MOST_STATES: usize = 300_000;
 
-/// Run a token again.
+/// Run a token again, of a method of the catalogue.
 ///
 /// # Errors
 /// An unknown method, or operations that are not the token's: the method has changed since.
-pub fn replay(token: &LitmusToken) -> Result<Replay> {
-    replay_of(&subject(&token.method)?, token)
+pub fn replay(catalogue: &Catalogue, token: &LitmusToken) -> Result<Replay> {
+    replay_of(&Subject::new(catalogue.find("TOKEN", &token.method)?)?, token)
 }
 
-/// Run a token of a method that need not be in the catalogue.
+/// Run a token again, of this method, whatever name the token has.
 ///
 /// # Errors
 /// Operations that are not the token's.
 pub fn replay_of(subject: &Subject, token: &LitmusToken) -> Result<Replay> {
-    let shader = (subject.make)(&token.litmus.config(subject.contract));
+    let case = subject.case(&token.litmus);
     let schedule = token.schedule();
-    let run = run(&*shader, subject.contract, &token.litmus, token.device(), &schedule)
+    let run = run(&case, token.device(), &schedule)
         .map_err(|e| Error::new("TOKEN", format!("the token's {e}")))?;
     token.verify(&run)?;
     let wrong_end = run.end.is_some() && run.wrong.iter().any(|(p, _)| is_of_result(*p));
-    let doomed_after = wrong_end
-        .then(|| doomed_after(&*shader, subject, token, token.device(), &schedule))
-        .flatten();
+    let doomed_after = wrong_end.then(|| doomed_after(&case, token.device(), &schedule)).flatten();
     Ok(Replay { run, doomed_after, cycle: token.cycle() })
 }
 
@@ -55,17 +55,10 @@ fn is_of_result(property: Property) -> bool {
 }
 
 /// The first number of steps after which nothing can be right: found by halving, since what is lost stays lost.
-fn doomed_after(
-    shader: &dyn Shader,
-    subject: &Subject,
-    token: &LitmusToken,
-    device: Device,
-    schedule: &[Move],
-) -> Option<usize> {
-    let cells = Cells::new(shader.layout(), token.litmus.pixels);
+fn doomed_after(case: &Case, device: Device, schedule: &[Move]) -> Option<usize> {
     let limits = Limits { states: MOST_STATES, cancelled: &|| false };
     let right_after = |steps: usize| {
-        let mut runner = Runner::new(shader, subject.contract, &cells, &token.litmus, device);
+        let mut runner = Runner::new(case, device);
         schedule[..steps].iter().for_each(|&by| {
             runner.step(by);
         });
@@ -143,8 +136,8 @@ impl Replay {
     pub fn ending(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(end) = &self.run.end {
-            for (pixel, list) in end.lists.iter().enumerate() {
-                lines.push(format!("pixel {pixel} holds {}", property::keys(list)));
+            for (pixel, held) in end.pixels.iter().enumerate() {
+                lines.push(format!("pixel {pixel} holds {held}"));
             }
         }
         let wrong = self.run.wrong.iter();
@@ -184,24 +177,24 @@ fn told(event: &Event) -> String {
 
 /// The word, and what it holds now if it was written.
 fn word(event: &Event) -> String {
-    let Some((cell, action)) = &event.operation else { return String::new() };
-    let name = cell_name(cell);
+    let Some((at, action)) = &event.operation else { return String::new() };
+    let name = word_name(at);
     match action {
         Action::Read(_) => name,
         Action::Write(value, _) => format!("{name} := {value:x}"),
         Action::Update(update, _) if update.failed(event.result) => name,
         Action::Update(update, _) => {
-            let mask = if cell.bits == 32 { 0xFFFF_FFFF } else { u64::MAX };
+            let mask = if at.bits == 32 { 0xFFFF_FFFF } else { u64::MAX };
             format!("{name} := {:x}", update.apply(event.result) & mask)
         }
     }
 }
 
-fn cell_name(cell: &CellName) -> String {
-    let width = if cell.bits == 64 { "L" } else { "" };
-    match cell.pixel {
-        _ if cell.bits == 0 => "outside".to_owned(),
-        Some(pixel) => format!("p{pixel}[{}]{width}", cell.word),
-        None => format!("frame[{}]{width}", cell.word),
+fn word_name(at: &Address) -> String {
+    let width = if at.bits == 64 { "L" } else { "" };
+    match at.pixel {
+        _ if at.bits == 0 => "outside".to_owned(),
+        Some(pixel) => format!("p{pixel}[{}]{width}", at.word),
+        None => format!("frame[{}]{width}", at.word),
     }
 }

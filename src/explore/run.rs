@@ -1,17 +1,18 @@
 //! Running a schedule, step by step, with everything that happens on record.
 
+use super::case::{Case, Ended, Task};
 use super::exhaustive::Limits;
 use super::forest::{NodeId, Step};
-use super::litmus::{Litmus, Stage};
+use super::litmus::Stage;
 use super::machine::{Device, Final, Machine, Moved};
 use super::model::Race;
 use super::property::{self, Property};
 use super::schedule::Move;
-use super::shader::{Ended, Shader, Task};
 use super::space::Space;
 use crate::error::{Error, Result};
-use crate::memory::asked::{Action, CellName, Cells, Site};
-use crate::scheme::{Contract, Moment};
+use crate::memory::asked::{Action, Site};
+use crate::memory::{Address, Numbering};
+use crate::scheme::Moment;
 
 /// One step of a run.
 #[derive(Clone, Debug)]
@@ -21,7 +22,7 @@ pub struct Event {
     /// Who moved, and how.
     pub by: Move,
     /// What it did; `None` for leaving a block.
-    pub operation: Option<(CellName, Action)>,
+    pub operation: Option<(Address, Action)>,
     /// The value read, or 0.
     pub result: u64,
     /// From where in the source.
@@ -61,14 +62,8 @@ pub(super) struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    pub(super) fn new(
-        shader: &'a dyn Shader,
-        contract: &'a Contract,
-        cells: &'a Cells,
-        litmus: &'a Litmus,
-        device: Device,
-    ) -> Self {
-        let machine = Machine::new(shader, contract, cells, litmus, device, false);
+    pub(super) fn new(case: &'a Case, device: Device) -> Self {
+        let machine = Machine::new(case, device, false);
         let state = machine.initial().to_vec();
         let nodes = state[..machine.width].to_vec();
         Self { machine, nodes, state, events: Vec::new() }
@@ -128,12 +123,12 @@ impl<'a> Runner<'a> {
         self.events.last()
     }
 
-    fn operation(&self, step: Step) -> Option<(CellName, Action)> {
+    fn operation(&self, step: Step) -> Option<(Address, Action)> {
         match step {
-            Step::Operation(Cells::OUTSIDE, action) => {
-                Some((CellName { pixel: None, word: u64::MAX, bits: 0 }, action))
+            Step::Operation(Numbering::OUTSIDE, action) => {
+                Some((Address { pixel: None, word: u64::MAX, bits: 0 }, action))
             }
-            Step::Operation(cell, action) => Some((self.machine.cells().name(cell), action)),
+            Step::Operation(cell, action) => Some((self.machine.numbering().address(cell), action)),
             _ => None,
         }
     }
@@ -143,7 +138,7 @@ impl<'a> Runner<'a> {
         Some(match self.machine.forest.ended(end) {
             Ended::Done => "done".to_owned(),
             Ended::Stored(outcome) => format!("{outcome:?}").to_lowercase(),
-            Ended::Resolved(_, keys, _) => property::keys(keys),
+            Ended::Resolved(_, held, _) => held.to_string(),
         })
     }
 
@@ -155,13 +150,13 @@ impl<'a> Runner<'a> {
 
     /// Both accesses of a race, in words.
     fn race(&self, by: Move, race: Race) -> String {
-        let name = self.machine.cells().name(race.cell);
+        let name = self.machine.numbering().address(race.cell);
         let matches = |event: &&Event| {
-            let Some((cell, action)) = event.operation else { return false };
+            let Some((at, action)) = event.operation else { return false };
             let writes = !matches!(action, Action::Read(_));
             let plain = super::model::order_of(action).is_none();
             usize::from(event.by.invocation) == race.other
-                && cell == name
+                && at == name
                 && writes == race.other_writes
                 && plain == race.other_plain
         };
@@ -232,7 +227,7 @@ impl<'a> Runner<'a> {
                 wrong.push((Property::Invariant, message));
             }
             let run = self.machine.finish(&self.nodes);
-            wrong.extend(property::judge(self.machine.contract, self.machine.litmus, &run));
+            wrong.extend(property::judge(self.machine.case, &run));
             end = Some(run);
         }
         Run { events: self.events, stages: self.machine.stages, end, wrong }
@@ -255,7 +250,7 @@ impl<'a> Runner<'a> {
             self.machine.load(&state);
             if self.machine.live(&nodes) == 0 {
                 let end = self.machine.finish(&nodes);
-                let wrong = property::judge(self.machine.contract, self.machine.litmus, &end);
+                let wrong = property::judge(self.machine.case, &end);
                 if wrong.is_empty() {
                     return Some(true);
                 }
@@ -320,15 +315,8 @@ pub fn describe(action: Action) -> String {
 ///
 /// # Errors
 /// A move that is impossible: the schedule is of something else.
-pub(super) fn run(
-    shader: &dyn Shader,
-    contract: &Contract,
-    litmus: &Litmus,
-    device: Device,
-    schedule: &[Move],
-) -> Result<Run> {
-    let cells = Cells::new(shader.layout(), litmus.pixels);
-    let mut runner = Runner::new(shader, contract, &cells, litmus, device);
+pub(super) fn run(case: &Case, device: Device, schedule: &[Move]) -> Result<Run> {
+    let mut runner = Runner::new(case, device);
     for (i, &by) in schedule.iter().enumerate() {
         if runner.step(by).is_none() {
             let problem =

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::case::Subject;
 use super::check::Survey;
 use super::exhaustive::{self, Found, Limits};
 use super::litmus::Litmus;
 use super::machine::{Device, MOST_INVOCATIONS};
 use super::model::MemoryModel;
 use super::property::Property;
-use super::shader::Subject;
 use super::sites;
 use super::token::{SceneToken, Token};
 use super::verdict::{Row, Verdict};
@@ -20,11 +20,10 @@ use crate::exec::sim::policy::{self, Settings};
 use crate::fragment::Fragment;
 use crate::raster::primitive::Rect;
 use crate::raster::{Batch, FrontEnd, Grid, Record};
-use crate::render::{Exec, Options, Sim, render};
-use crate::resolve::Lists;
-use crate::resolve::hash::fragments_hash;
+use crate::render::{Exec, Options, Sim, reference, render};
+use crate::resolve::digest::kept_hash;
 use crate::scene::Scene;
-use crate::scheme::{Contract, Keeps};
+use crate::scheme::Keeps;
 
 /// Many executions of a scene.
 #[derive(Clone, Debug)]
@@ -43,25 +42,10 @@ pub struct Executions {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Executed {
     seed: u64,
-    fragments_hash: String,
+    fragments_hash: Option<String>,
     image_hash: String,
     lost: u64,
     wrong: Vec<String>,
-}
-
-/// The lists that a method should give.
-pub(super) fn expected(contract: &Contract, scene: &Scene, options: &Options) -> Result<Lists> {
-    let k = options.k.or(contract.default_k);
-    let exact = Options {
-        method: "exact".to_owned(),
-        k: if contract.keeps == Keeps::Layers { None } else { contract.reference_k(k) },
-        exec: Exec::Tile,
-        depth_format: options.depth_format.or(contract.depth_format),
-        data: contract.data.unwrap_or(options.data),
-        counters: false,
-        ..options.clone()
-    };
-    Ok(render(scene, &exact)?.lists.cut(|keys| contract.keep(keys, k)))
 }
 
 impl Executions {
@@ -71,14 +55,14 @@ impl Executions {
     /// The scene cannot be drawn so.
     pub fn check(&self, subject: &Subject, scene: &Scene, limits: &Limits<'_>) -> Result<Vec<Row>> {
         let sim = self.sim()?;
-        let right = expected(subject.contract, scene, &self.options)?;
-        let expected = fragments_hash(right.width, right.height, &right.offsets, &right.keys);
+        let right = reference(scene, &self.options)?;
+        let expected = right.kept.as_ref().and_then(kept_hash);
         let run = |i: u64| self.run(scene, &sim, i, limits);
         let all: Vec<Option<Executed>> =
             (0..self.count).into_par_iter().map(run).collect::<Result<_>>()?;
         let done: Vec<&Executed> = all.iter().flatten().collect();
         Ok(vec![
-            self.keeps(subject, scene, &done, &expected),
+            self.keeps(subject, scene, &done, expected.as_deref()),
             self.one_outcome(subject, scene, &done),
         ])
     }
@@ -113,11 +97,18 @@ impl Executions {
         }))
     }
 
-    fn keeps(&self, subject: &Subject, scene: &Scene, done: &[&Executed], expected: &str) -> Row {
+    fn keeps(
+        &self,
+        subject: &Subject,
+        scene: &Scene,
+        done: &[&Executed],
+        expected: Option<&str>,
+    ) -> Row {
         // Which of the hidden fragments are culled is nobody's business; each run has judged that they are hidden.
         let culls = subject.contract.keeps == Keeps::Visible;
         let wrong = |e: &&&Executed| {
-            let differs = if culls { e.lost > 0 } else { e.fragments_hash != expected };
+            let found = e.fragments_hash.as_deref();
+            let differs = if culls { e.lost > 0 } else { expected.is_some() && found != expected };
             differs || !e.wrong.is_empty()
         };
         let failed: Vec<&&Executed> = done.iter().filter(wrong).collect();
@@ -201,14 +192,14 @@ impl Executions {
     fn token(&self, scene: &Scene, executed: &Executed) -> String {
         let resident = self.sim().map_or(0, |sim| sim.resident as u64);
         let token = SceneToken {
-            method: self.options.method.clone(),
+            method: self.options.method.name().to_owned(),
             scene: self.name.clone(),
             size: scene.size,
             k: self.options.k,
             schedule: self.schedule.clone(),
             seed: executed.seed,
             resident,
-            fragments_hash: executed.fragments_hash.clone(),
+            fragments_hash: executed.fragments_hash.clone().unwrap_or_default(),
         };
         Token::Scene(token).to_string()
     }
@@ -231,11 +222,7 @@ pub fn cut(
     }
     let grid = Grid { width, height, tile: options.tile };
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
-    let record = Record {
-        depth: options.depth_format.or(subject.contract.depth_format).unwrap_or_default(),
-        data: options.data,
-    };
-    let fragments = pixel(&front, record, [x, y]);
+    let fragments = pixel(&front, options.record(), [x, y]);
     let most = MOST_INVOCATIONS - 4;
     if fragments.is_empty() || fragments.len() > most {
         let n = fragments.len();
@@ -255,6 +242,7 @@ pub fn litmus_of(fragments: &[Fragment], k: Option<u32>) -> Litmus {
         fragments: fragments.iter().map(|f| (0, f.depth, f.data)).collect(),
         helpers: 0,
         table: None,
+        inputs: Vec::new(),
     }
 }
 
@@ -277,8 +265,7 @@ fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
 /// Explore one given instance, for one row per property.
 #[must_use]
 pub fn survey(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limits<'_>) -> Survey {
-    let shader = (subject.make)(&litmus.config(subject.contract));
-    let explored = exhaustive::explore(&*shader, subject.contract, litmus, device, limits);
+    let explored = exhaustive::explore(&subject.case(litmus), device, limits);
     let n = litmus.fragments.len() as u32;
     let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
     let given = Some(format!("these {n} fragments{k}"));
@@ -308,7 +295,7 @@ pub fn sampled(
     if explored.complete {
         return Ok(survey);
     }
-    let shader = (subject.make)(&litmus.config(subject.contract));
+    let case = subject.case(litmus);
     let one = |seed: u64| {
         let settings = Settings {
             policy: policy::Kind::Random,
@@ -319,7 +306,7 @@ pub fn sampled(
             watch: None,
             check: false,
         };
-        walk(&*shader, subject.contract, litmus, device, &settings, limits)
+        walk(&case, device, &settings, limits)
     };
     let all: Vec<_> = (0..runs).into_par_iter().map(one).collect::<Result<_>>()?;
     let mut ended = 0;
@@ -330,7 +317,7 @@ pub fn sampled(
             explored.violations.entry(*property).or_insert(found);
         }
         if let Some(end) = &run.end {
-            explored.outcomes.entry(end.lists.clone()).or_insert(schedule);
+            explored.outcomes.entry(end.pixels.clone()).or_insert(schedule);
         }
     }
     if let Some(given) = &mut survey.given {

@@ -1,7 +1,8 @@
 //! Sequential consistency: words are words.
 
 use super::model::{Initial, Model, Race, cut};
-use crate::memory::asked::{Action, Cells};
+use crate::memory::Numbering;
+use crate::memory::asked::Action;
 
 /// The words of one state: each cell's value in one or two u32, then a bit per cell that nobody has written or read.
 pub(super) struct Sequential {
@@ -14,11 +15,11 @@ pub(super) struct Sequential {
 }
 
 impl Sequential {
-    pub(super) fn new(cells: &Cells, initial: &[Initial], candidates: &[u64]) -> Self {
+    pub(super) fn new(cells: &Numbering, initial: &[Initial], candidates: &[u64]) -> Self {
         let mut places = Vec::new();
         let mut words = Vec::new();
         for cell in 0..initial.len() as u32 {
-            let bits = cells.name(cell).bits;
+            let bits = cells.address(cell).bits;
             places.push((words.len() as u32, bits));
             words.resize(words.len() + bits as usize / 32, 0);
         }
@@ -66,7 +67,7 @@ impl Model for Sequential {
     #[inline]
     fn alternatives(&mut self, _: usize, cell: u32, action: Action) -> usize {
         let reads = !matches!(action, Action::Write(..));
-        if reads && cell != Cells::OUTSIDE && self.is_unwritten(cell) {
+        if reads && cell != Numbering::OUTSIDE && self.is_unwritten(cell) {
             self.candidates.len()
         } else {
             1
@@ -75,7 +76,7 @@ impl Model for Sequential {
 
     #[inline]
     fn perform(&mut self, _: usize, cell: u32, action: Action, alternative: usize) -> u64 {
-        if cell == Cells::OUTSIDE {
+        if cell == Numbering::OUTSIDE {
             return 0;
         }
         let bits = self.places[cell as usize].1;

@@ -8,12 +8,13 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::catalogue::Catalogue;
 use crate::error::Result;
+use crate::exec::Method;
 use crate::num::random::Random;
 use crate::render::{Exec, HashOptions, Options, Policy, Report, Sim, render};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::contract::{Contract, Demand, Form, Keeps};
-use crate::scheme::contracts;
+use crate::scheme::contract::{Demand, Keeps};
 
 /// What was seen of one method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -69,13 +70,12 @@ const ORDERS: u64 = 6;
 /// Seeds of each policy.
 const SEEDS: u64 = 6;
 
-/// Derive the rows of all methods but the built-in faults.
+/// Derive the rows of all methods of a catalogue but the built-in faults.
 ///
 /// # Errors
 /// A scene that cannot be drawn: a defect.
-pub fn derive() -> Result<Vec<Stability>> {
-    let methods = contracts().into_iter().filter(|c| c.form != Form::Mutation);
-    let methods: Vec<&'static Contract> = methods.filter(|c| c.name != "exact").collect();
+pub fn derive(catalogue: &Catalogue) -> Result<Vec<Stability>> {
+    let methods: Vec<Method> = catalogue.promised().collect();
     methods.into_par_iter().map(derive_one).collect()
 }
 
@@ -83,12 +83,13 @@ pub fn derive() -> Result<Vec<Stability>> {
 ///
 /// # Errors
 /// See [`derive()`].
-pub fn derive_one(contract: &'static Contract) -> Result<Stability> {
+pub fn derive_one(method: Method) -> Result<Stability> {
+    let contract = method.contract();
     let size = Overrides { size: Some([EDGE, EDGE]), ..Overrides::default() };
     let distinct = scene::load(&format!("synthetic:n={LAYERS},density=100"), &size)?;
     let ties = coplanar(&distinct);
     let k = contract.default_k.map(|_| K);
-    let mut runs = Runs { contract, count: 0 };
+    let mut runs = Runs { method, count: 0 };
 
     let arrival = runs.orders_differ(&distinct, k, None)?;
     let arrival_at_ties = runs.orders_differ(&ties, k, None)?;
@@ -130,12 +131,12 @@ pub fn derive_one(contract: &'static Contract) -> Result<Stability> {
     })
 }
 
-struct Runs<'a> {
-    contract: &'a Contract,
+struct Runs {
+    method: Method,
     count: usize,
 }
 
-impl Runs<'_> {
+impl Runs {
     fn draw(
         &mut self,
         scene: &Scene,
@@ -145,7 +146,7 @@ impl Runs<'_> {
     ) -> Result<Report> {
         self.count += 1;
         let options = Options {
-            method: self.contract.name.to_owned(),
+            method: self.method,
             k,
             exec,
             threads: 1,
@@ -170,12 +171,13 @@ impl Runs<'_> {
         k: Option<u32>,
         memory_budget: Option<u64>,
     ) -> Result<bool> {
-        let first = self.draw(scene, k, memory_budget, Exec::Tile)?.fragments_hash;
+        let result = |report: Report| (report.fragments_hash, report.image_hash);
+        let first = result(self.draw(scene, k, memory_budget, Exec::Tile)?);
         for seed in 0..ORDERS {
             let mut other = scene.clone();
             Random::new(seed, 0x0DE5).shuffle(&mut other.screen);
             let drawn = self.draw(&other, k, memory_budget, Exec::Tile)?;
-            if drawn.fragments_hash != first {
+            if result(drawn) != first {
                 return Ok(true);
             }
         }
@@ -204,7 +206,7 @@ fn coplanar(scene: &Scene) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme::catalogue::contract;
+    use crate::catalogue::method;
 
     #[test]
     fn every_three_layers_share_a_depth() {
@@ -219,7 +221,7 @@ mod tests {
     /// The derivation can see each dependence, and the lack of it.
     #[test]
     fn known_methods_are_seen_as_they_are() {
-        let seen = |name| derive_one(contract(name).expect("known")).expect("drawn");
+        let seen = |name| derive_one(method(name).expect("known")).expect("drawn");
         let correct = seen("kplus-array");
         assert!(correct.agrees() && !correct.arrival_at_ties && !correct.schedule, "{correct:?}");
         let racy = seen("kb");

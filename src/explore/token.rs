@@ -219,7 +219,7 @@ impl Token {
     /// What a well-made token always fulfils.
     fn check(&self) -> Result<()> {
         let Self::Litmus(token) = self else { return Ok(()) };
-        let Litmus { pixels, fragments, room, helpers, k, table } = &token.litmus;
+        let Litmus { pixels, fragments, room, helpers, k, table, .. } = &token.litmus;
         let fits = |t: &Settings| t.cells() <= 64 && t.size[0] > 0 && t.size[1] > 0;
         let moves = token.runs.iter().chain(&token.cycle).map(|run| u64::from(run.2)).sum::<u64>();
         let invocations = fragments.len() + *helpers as usize + 2 * *pixels as usize + 1;

@@ -1,16 +1,13 @@
 //! Single runs of a litmus pixel under a policy: for instances too large to explore, and to look at one schedule.
 
+use super::case::Case;
 use super::exhaustive::Limits;
-use super::litmus::Litmus;
 use super::machine::Device;
 use super::run::{Run, Runner};
 use super::schedule::{Move, Schedule};
-use super::shader::Shader;
 use crate::error::Result;
 use crate::exec::sim::policy::{self, Policy, Settings};
-use crate::memory::asked::Cells;
 use crate::num::random;
-use crate::scheme::Contract;
 
 /// Steps after which a run is given up: its schedule may never end.
 const MOST_STEPS: usize = 100_000;
@@ -24,18 +21,18 @@ const STREAM: u64 = 0xA17E_44A7;
 /// # Errors
 /// A recorded schedule that does not fit.
 pub(super) fn walk(
-    shader: &dyn Shader,
-    contract: &Contract,
-    litmus: &Litmus,
+    case: &Case,
     device: Device,
     settings: &Settings,
     limits: &Limits<'_>,
 ) -> Result<Option<(Schedule, Run)>> {
-    let cells = Cells::new(shader.layout(), litmus.pixels);
-    let mut runner = Runner::new(shader, contract, &cells, litmus, device);
+    let mut runner = Runner::new(case, device);
     let mut policy = policy::make(settings)?;
-    let mut live = runner.live();
-    (0..32).filter(|i| live & (1 << i) != 0).for_each(|i| policy.admit(i));
+    let (mut live, mut stage) = (runner.live(), runner.stage());
+    let admit = |policy: &mut dyn Policy, live: u32| {
+        (0..32).filter(|i| live & (1 << i) != 0).for_each(|i| policy.admit(i));
+    };
+    admit(&mut *policy, live);
     let mut schedule = Schedule::new();
     while live != 0 {
         if schedule.len() == MOST_STEPS || (limits.cancelled)() {
@@ -49,7 +46,12 @@ pub(super) fn walk(
         runner.step(by);
         schedule.push(by);
         let now = runner.live();
-        if now != live {
+        if runner.stage() != stage {
+            // It was the last of its stage; those of the next one come now.
+            stage = runner.stage();
+            policy.retire(invocation as u32);
+            admit(&mut *policy, now);
+        } else if now != live {
             policy.retire(invocation as u32);
         } else if runner.waits(invocation) {
             policy.waits(invocation as u32);

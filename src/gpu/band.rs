@@ -6,7 +6,10 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
+use crate::exec::Method;
+use crate::exec::promise::Promise;
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
+use crate::memory::Inputs;
 use crate::num::color::{srgb, word16};
 use crate::num::depth::Format;
 use crate::num::random::Random;
@@ -14,6 +17,7 @@ use crate::raster::primitive::Rect;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::resolve::composite::Ray;
 use crate::scene::Scene;
+use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash::{self, DEFAULT_LOAD, size_for_load};
 use crate::scheme::{Config, exact};
@@ -231,26 +235,24 @@ impl<'p> Band<'p> {
 
     /// What must be in every pixel after resolve, and what was generated there.
     #[must_use]
-    pub fn expected(&self, contract: &Contract, record: Record, k: Option<u32>) -> Rc<Expected> {
+    pub fn expected(&self, method: Method, record: Record, k: Option<u32>) -> Rc<Expected> {
+        let contract = method.contract();
         let (keeps, identical) = (contract.keeps, contract.identical);
         let question = Question { record, keeps, identical, k: k.or(contract.default_k) };
         let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
         if let Some((_, answer)) = known {
             return answer;
         }
-        let answer = Rc::new(answer(&self.lists, self.picture, contract, question));
+        let answer = Rc::new(answer(&self.lists, self.picture, method, question));
         self.answers.borrow_mut().push((question, Rc::clone(&answer)));
         answer
     }
 }
 
-fn answer(
-    lists: &[Vec<u64>],
-    picture: &Picture,
-    contract: &Contract,
-    question: Question,
-) -> Expected {
+fn answer(lists: &[Vec<u64>], picture: &Picture, method: Method, question: Question) -> Expected {
     let Question { record, k, .. } = question;
+    let (contract, inputs) = (method.contract(), Inputs::default());
+    let promise = Promise::new(method, None, &inputs, Bound::of(contract.reference_k(k)));
     let named = record.data == Data::Primitive;
     let word = |&exact: &u64| {
         let data = if named { data_of(exact) } else { 0 };
@@ -259,8 +261,8 @@ fn answer(
     let pixel = |list: &Vec<u64>| {
         let mut generated: Vec<u64> = list.iter().map(word).collect();
         generated.sort_unstable();
-        let mut kept = generated.clone();
-        contract.keep(&mut kept, k);
+        let held = promise.pixel(0, &generated);
+        let mut kept = held.and_then(|held| held.keys().map(<[u64]>::to_vec)).unwrap_or_default();
         // Some of them, as many as there are slots.
         if let (Keeps::FirstArrivals, Some(slots)) = (contract.keeps, k) {
             kept.truncate(slots as usize);

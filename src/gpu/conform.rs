@@ -9,17 +9,20 @@ use super::device::Device;
 use super::failure::{Failure, Result};
 use super::program::{Bound, Group, Pass, Program, Shape, WRITABLE, constants, group, words_of};
 use super::source::Twin;
+use crate::exec::Instance;
 use crate::exec::drive::{Outcomes, Pipeline};
+use crate::exec::interpret::Interpreted;
+use crate::explore::Subject;
 use crate::explore::litmus::{Family, Litmus, instances};
 use crate::fragment::{Data, Fragment};
-use crate::memory::Layout;
+use crate::memory::Inputs;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::num::depth::Format;
 use crate::raster::Record;
-use crate::scheme::catalogue::{self, Visitor};
 use crate::scheme::contract::{Contract, Kind};
-use crate::scheme::{Config, Outcome, Scheme};
+use crate::scheme::course::{Course, Part};
+use crate::scheme::{Config, Outcome};
 
 /// Room of a fragment in its buffer: what devices want offsets to be multiples of.
 const SLOT: u64 = 256;
@@ -73,16 +76,17 @@ enum Step {
 }
 
 fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
-    let mut steps = vec![Step::Clear];
-    for (number, pass) in contract.program.passes.iter().enumerate() {
-        match pass.kind {
-            Kind::Prepare => steps.extend(order.iter().map(|&i| Step::Prepare(number, i))),
-            Kind::Screen => steps.extend((0..pixels).map(|pixel| Step::Screen(number, pixel))),
-            Kind::Frame => steps.push(Step::Frame(number)),
-            Kind::Store => steps.extend(order.iter().map(|&i| Step::Store(i))),
-        }
-    }
-    steps
+    let of_part = |part: &Part| match *part {
+        Part::Clear => vec![Step::Clear],
+        Part::Resolve => Vec::new(),
+        Part::Pass(number) => match contract.program.passes[number].kind {
+            Kind::Prepare => order.iter().map(|&i| Step::Prepare(number, i)).collect(),
+            Kind::Screen => (0..pixels).map(|pixel| Step::Screen(number, pixel)).collect(),
+            Kind::Frame => vec![Step::Frame(number)],
+            Kind::Store => order.iter().map(|&i| Step::Store(i)).collect(),
+        },
+    };
+    Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
 }
 
 /// All words by binding, and what a store invocation said.
@@ -94,36 +98,23 @@ struct Seen {
 
 /// Runs the steps in the simulator.
 struct Host<'a> {
-    config: Config,
+    instance: &'a dyn Instance,
+    inputs: &'a Inputs,
+    pixels: u32,
     fragments: &'a [Fragment],
-    orders: &'a [Vec<Step>],
-}
-
-impl Visitor for Host<'_> {
-    type Output = Vec<Vec<Seen>>;
-
-    fn scheme<S: Scheme + Send + 'static>(self) -> Self::Output {
-        let mut layout = Layout::default();
-        let scheme = S::new(&self.config, &mut layout);
-        self.orders.iter().map(|steps| self.run(&scheme, &layout, steps)).collect()
-    }
-
-    fn exact(self) -> Self::Output {
-        Vec::new()
-    }
 }
 
 impl Host<'_> {
-    fn run(
-        &self,
-        scheme: &dyn for<'m> Pipeline<Exclusive<'m, ()>>,
-        layout: &Layout,
-        steps: &[Step],
-    ) -> Vec<Seen> {
-        let pixels = self.config.pixels;
+    fn run(&self, steps: &[Step]) -> Vec<Seen> {
+        let (layout, pixels) = (self.instance.layout(), self.pixels);
+        let interpreted = Interpreted { instance: self.instance, inputs: self.inputs };
+        let scheme: &dyn for<'m> Pipeline<Exclusive<'m, ()>> = match self.instance.compiled() {
+            Some(compiled) => compiled.exclusive(),
+            None => &interpreted,
+        };
         let own = Owned::new(layout.per_pixel(), pixels as usize);
         let shared = Shared::new(layout.per_frame(), 1);
-        let mem = Exclusive::new(&own, &shared, None, &());
+        let mem = Exclusive::new(&own, &shared, self.inputs, &());
         let step = |step: &Step| {
             let mut outcome = None;
             match *step {
@@ -156,16 +147,17 @@ fn bytes<T: bytemuck::NoUninit>(words: &[T]) -> Vec<u8> {
 ///
 /// # Errors
 /// The device is lost. What it cannot do is said in the result.
-pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<Conformance> {
-    let contract = catalogue::contract(twin.method)?;
+pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformance> {
+    let subject = Subject::new(twin.method)?;
     let mut sum = Conformance {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.to_owned(),
+        method: twin.method.name().to_owned(),
         ..Conformance::default()
     };
-    for (config, group) in programs(contract, extent) {
-        let shape = Shape::new(twin.method, config)?;
+    for (group, litmus) in programs(&subject, extent) {
+        let mut shape = Shape::new(twin.method, litmus.config(subject.contract))?;
+        shape.inputs = litmus.inputs(&shape.layout);
         // What is stored is given, in the method's own format.
         let record = Record { depth: Format::D32, data: Data::Color };
         let constants = constants(&shape, record, [0; 3]);
@@ -173,7 +165,7 @@ pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<C
             Ok(program) => {
                 let bench = Bench::new(&program)?;
                 for litmus in &group {
-                    bench.compare(contract, litmus, &mut sum)?;
+                    bench.compare(litmus, &mut sum)?;
                 }
             }
             Err(Failure::Unsupported(why)) => {
@@ -186,15 +178,20 @@ pub fn conform(device: &Device, twin: &'static Twin, extent: Extent) -> Result<C
     Ok(sum)
 }
 
-/// Litmus pixels by configuration; of many, some, evenly chosen.
-fn programs(contract: &Contract, extent: Extent) -> Vec<(Config, Vec<Litmus>)> {
+/// Litmus pixels by configuration and inputs, each group with its first one; of many, some, evenly chosen.
+fn programs(subject: &Subject, extent: Extent) -> Vec<(Vec<Litmus>, Litmus)> {
     let family = Family { fragments: extent.fragments, ks: vec![1, 2, 3], helpers: 0 };
-    let mut programs: Vec<(Config, Vec<Litmus>)> = Vec::new();
-    for litmus in instances(contract, &family) {
-        let config = litmus.config(contract);
-        match programs.iter_mut().find(|(known, _)| *known == config) {
-            Some((_, group)) => group.push(litmus),
-            None => programs.push((config, vec![litmus])),
+    let mut programs: Vec<(Vec<Litmus>, Litmus)> = Vec::new();
+    let key = |litmus: &Litmus| (litmus.config(subject.contract), litmus.inputs.clone());
+    let mut keys: Vec<(Config, Vec<Vec<u32>>)> = Vec::new();
+    for litmus in instances(subject, &family) {
+        let own = key(&litmus);
+        match keys.iter().position(|known| *known == own) {
+            Some(known) => programs[known].0.push(litmus),
+            None => {
+                keys.push(own);
+                programs.push((vec![litmus.clone()], litmus));
+            }
         }
     }
     let step = programs.len().div_ceil(extent.programs).max(1);
@@ -258,14 +255,16 @@ impl<'a, 'd> Bench<'a, 'd> {
         })
     }
 
-    fn compare(&self, contract: &Contract, litmus: &Litmus, sum: &mut Conformance) -> Result<()> {
+    fn compare(&self, litmus: &Litmus, sum: &mut Conformance) -> Result<()> {
+        let Shape { contract, config, ref inputs, .. } = self.program.shape;
         let fragments: Vec<Fragment> = litmus.fragments().collect();
         let orders: Vec<Vec<usize>> = permutations(fragments.len());
         let runs: Vec<Vec<Step>> =
             orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();
-        let config = self.program.shape.config;
-        let host = Host { config, fragments: &fragments, orders: &runs };
-        let right = catalogue::visit(contract.name, host)?;
+        let Some(instance) = self.program.twin.method.instance(&config) else { return Ok(()) };
+        let (instance, pixels) = (&*instance, config.pixels);
+        let host = Host { instance, inputs, pixels, fragments: &fragments };
+        let right: Vec<Vec<Seen>> = runs.iter().map(|steps| host.run(steps)).collect();
         let mut slots = vec![0u8; (SLOT * MOST) as usize];
         for (i, fragment) in fragments.iter().enumerate() {
             let at = i * SLOT as usize;

@@ -9,13 +9,12 @@ use super::failure::{Failure, Result};
 use super::program::{Program, Shape, constants};
 use super::raster::{Raster, Triangles};
 use super::resolve::resolve;
-use super::source::{TWINS, Twin, twin};
+use super::source::{Twin, twin, twins};
 use crate::error::{self, Error};
+use crate::exec::Method;
 use crate::fragment::Data;
-use crate::num::depth::Format;
 use crate::raster::Record;
 use crate::scene::Scene;
-use crate::scheme::catalogue;
 use crate::scheme::contract::Contract;
 use serde::Serialize;
 
@@ -101,8 +100,8 @@ impl Row {
 /// What is to be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Methods.
-    pub methods: Vec<&'static str>,
+    /// The twins.
+    pub twins: Vec<Twin>,
     /// `-k`.
     pub k: Option<u32>,
     /// Which paths.
@@ -113,19 +112,17 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        let methods = TWINS.iter().map(|twin| twin.method).collect();
-        Self { methods, k: None, paths: Path::ALL.to_vec(), shuffle: Some(0) }
+        Self { twins: twins(), k: None, paths: Path::ALL.to_vec(), shuffle: Some(0) }
     }
 }
 
 /// The twin of a method.
 ///
 /// # Errors
-/// There is no such method, or it has none.
-pub fn find(method: &str) -> error::Result<&'static Twin> {
-    let contract = catalogue::contract(method)?;
-    twin(contract.name).ok_or_else(|| {
-        let names: Vec<&str> = TWINS.iter().map(|twin| twin.method).collect();
+/// It has none.
+pub fn find(method: Method) -> error::Result<Twin> {
+    twin(method).ok_or_else(|| {
+        let names: Vec<&str> = twins().iter().map(|twin| twin.method.name()).collect();
         let problem = format!("{method} has no twin in WGSL; these have one: {}", names.join(", "));
         Error::new("-m", problem)
     })
@@ -134,24 +131,21 @@ pub fn find(method: &str) -> error::Result<&'static Twin> {
 /// What a method stores in comparisons: exact depths as far as its records have room, and triangles if they do.
 #[must_use]
 pub fn record(contract: &Contract) -> Record {
-    let depth = contract.depth_format.unwrap_or(Format::D32);
-    Record { depth, data: contract.data.unwrap_or(Data::Primitive) }
+    contract.record(None, Data::Primitive)
 }
 
 /// Draw a scene with every method on every path, and compare. Where the device is lost, the remaining rows say so.
 ///
-/// # Errors
-/// An unknown method.
 pub fn run(
     device: &Device,
     scene: &Scene,
     picture: &Picture,
     sub_pixel_bits: u32,
     options: &Options,
-) -> error::Result<Vec<Row>> {
+) -> Vec<Row> {
     let mut runs = Vec::new();
-    for method in &options.methods {
-        let (twin, contract) = (find(method)?, catalogue::contract(method)?);
+    for &twin in &options.twins {
+        let contract = twin.method.contract();
         runs.extend(options.paths.iter().map(|&path| Run {
             device,
             twin,
@@ -169,13 +163,13 @@ pub fn run(
         runs.iter_mut().for_each(|run| run.band(&band));
     }
     let size = [picture.front.grid.width, picture.front.grid.height];
-    Ok(runs.iter().map(|run| run.row(&scene.name, size, sub_pixel_bits)).collect())
+    runs.iter().map(|run| run.row(&scene.name, size, sub_pixel_bits)).collect()
 }
 
 /// One method on one path, band by band.
 struct Run<'d> {
     device: &'d Device,
-    twin: &'static Twin,
+    twin: Twin,
     contract: &'static Contract,
     path: Path,
     k: Option<u32>,
@@ -216,14 +210,13 @@ impl Run<'_> {
             return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
         }
         let record = record(self.contract);
-        let shape = Shape::new(self.contract.name, band.config(self.contract, self.k))?;
+        let shape = Shape::new(self.twin.method, band.config(self.contract, self.k))?;
         if self.twin.needs_atomics64() && !self.device.atomics64 {
             return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
         }
         shape.fits(self.device)?;
         let constants = constants(&shape, record, band.picture.background);
         let program = Program::new(self.device, self.twin, shape, constants)?;
-        program.clear()?;
         let mut by_compute = 0;
         match self.path {
             Path::Compute => {
@@ -237,7 +230,7 @@ impl Run<'_> {
                 by_compute = triangles.rest.len() as u64;
             }
         }
-        let expected = band.expected(self.contract, record, self.k);
+        let expected = band.expected(self.twin.method, record, self.k);
         let got = resolve(&program, &band.picture.palette, &expected.kept.starts)?;
         let differences = compare(self.contract, self.k, &expected, &got);
         Ok((differences, by_compute, program.again()))

@@ -9,13 +9,14 @@ use super::device::Device;
 use super::failure::{Failure, Result};
 use super::source::{Constants, Path, Twin};
 use crate::error;
+use crate::exec::Method;
 use crate::fragment::{Data, Fragment};
-use crate::memory::Layout;
+use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
-use crate::scheme::catalogue::{self, Visitor};
+use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Kind};
-use crate::scheme::{Config, Scheme};
+use crate::scheme::course::{Course, Part};
 
 /// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
 const WORKGROUP: u64 = 64;
@@ -33,6 +34,9 @@ const STUCK: u32 = 7;
 /// Room that every buffer of words has beyond them: a struct in WGSL ends with an array of at least one element.
 const SPARE: u64 = 64;
 
+/// The binding of the first group that has the words of all inputs, one after another.
+const INPUTS: u32 = 5;
+
 /// What a method's type says: its words, and how many invocations its passes over the frame have.
 #[derive(Clone, Debug)]
 pub struct Shape {
@@ -44,37 +48,30 @@ pub struct Shape {
     pub layout: Layout,
     /// By pass of the program.
     pub invocations: Vec<u32>,
-}
-
-struct Measure(Config);
-
-impl Visitor for Measure {
-    type Output = Option<(Layout, Vec<u32>)>;
-
-    fn scheme<S: Scheme>(self) -> Self::Output {
-        let mut layout = Layout::default();
-        let scheme = S::new(&self.0, &mut layout);
-        let passes = 0..S::CONTRACT.program.passes.len();
-        Some((layout, passes.map(|pass| scheme.invocations(pass)).collect()))
-    }
-
-    fn exact(self) -> Self::Output {
-        None
-    }
+    /// The words of its inputs; their defaults, unless somebody fills them.
+    pub inputs: Inputs,
 }
 
 impl Shape {
     /// Of a method with a configuration.
     ///
     /// # Errors
-    /// There is no such method, or it is the oracle, which has no passes.
-    pub fn new(method: &str, config: Config) -> error::Result<Self> {
-        let contract = catalogue::contract(method)?;
-        let measured = catalogue::visit(method, Measure(config))?;
-        let (layout, invocations) = measured.ok_or_else(|| {
+    /// It is the oracle, which has no passes.
+    pub fn new(method: Method, config: Config) -> error::Result<Self> {
+        let contract = method.contract();
+        let instance = method.instance(&config).ok_or_else(|| {
             error::Error::new("-m", format!("{method} is sequential: it has no passes"))
         })?;
-        Ok(Self { contract, config, layout, invocations })
+        let passes = 0..contract.program.passes.len();
+        let invocations = passes.map(|pass| instance.invocations(pass)).collect();
+        let layout = instance.layout().clone();
+        let inputs = Inputs::defaults(&layout);
+        Ok(Self { contract, config, layout, invocations, inputs })
+    }
+
+    /// The words of all inputs, one after another.
+    fn input_words(&self) -> Vec<u32> {
+        self.inputs.tables(&self.layout, self.config.pixels).concat()
     }
 
     /// Bytes of a binding of the first group: 32 and 64-bit words of pixels, then of the frame.
@@ -116,7 +113,14 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
     let blocks = pixels.div_ceil(64).max(1);
     let slots = config.k.unwrap_or(config.max_depth_complexity);
     let [red, green, blue] = background.map(u64::from);
-    Constants::default()
+    let (mut constants, mut first) = (Constants::default(), 0);
+    let tables = shape.inputs.tables(&shape.layout, config.pixels);
+    for (input, words) in shape.layout.inputs().iter().zip(tables) {
+        let name = input.name.to_uppercase().replace(|c: char| !c.is_alphanumeric(), "_");
+        constants = constants.with(&format!("INPUT_{name}"), first);
+        first += words.len() as u64;
+    }
+    constants
         .with("PIXELS", pixels)
         .with("WIDTH", grid.width.into())
         .with("HEIGHT", grid.height.into())
@@ -222,12 +226,13 @@ pub fn group(device: &Device, bound: &[Bound<'_>]) -> Result<Group> {
 #[derive(Debug)]
 pub struct Program<'d> {
     pub(super) device: &'d Device,
-    pub(super) twin: &'static Twin,
+    pub(super) twin: Twin,
     pub(super) shape: Shape,
     pub(super) constants: Constants,
     /// By binding of the first group.
     pub(super) words: Vec<(u32, wgpu::Buffer)>,
     _table: Option<wgpu::Buffer>,
+    _inputs: Option<wgpu::Buffer>,
     pub(super) words_group: Group,
     module: wgpu::ShaderModule,
     /// Invocations that gave up waiting, and were run again.
@@ -247,12 +252,7 @@ impl<'d> Program<'d> {
     ///
     /// # Errors
     /// The device lacks something, has no room, or refuses.
-    pub fn new(
-        device: &'d Device,
-        twin: &'static Twin,
-        shape: Shape,
-        constants: Constants,
-    ) -> Result<Self> {
+    pub fn new(device: &'d Device, twin: Twin, shape: Shape, constants: Constants) -> Result<Self> {
         if twin.needs_atomics64() && !device.atomics64 {
             return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
         }
@@ -263,6 +263,7 @@ impl<'d> Program<'d> {
             words.push((binding, device.buffer("words", shape.bytes(binding) + SPARE, usage)?));
         }
         let table = twin.binds(4).then(|| table(device, &shape)).transpose()?;
+        let inputs = twin.binds(INPUTS).then(|| inputs(device, &shape)).transpose()?;
         let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
         let bound = |(binding, buffer): &(u32, wgpu::Buffer)| (*binding, buffer.clone());
         let buffers: Vec<_> = words.iter().map(bound).collect();
@@ -283,8 +284,15 @@ impl<'d> Program<'d> {
             kind: wgpu::BufferBindingType::Uniform,
             stages,
         }));
+        bindings.extend(inputs.as_ref().map(|buffer| Bound {
+            binding: INPUTS,
+            buffer,
+            part: None,
+            kind: READABLE,
+            stages,
+        }));
         let words_group = group(device, &bindings)?;
-        let module = device.module(twin.method, &twin.module(&constants, Path::Compute)?)?;
+        let module = device.module(twin.method.name(), &twin.module(&constants, Path::Compute)?)?;
         let passes = RefCell::default();
         let again = Cell::default();
         Ok(Self {
@@ -294,6 +302,7 @@ impl<'d> Program<'d> {
             constants,
             words,
             _table: table,
+            _inputs: inputs,
             words_group,
             module,
             again,
@@ -391,25 +400,34 @@ impl<'d> Program<'d> {
         self.device.submit(encoder)
     }
 
-    /// All passes between clear and resolve; `geometry` runs those over fragments, by the function of the twin.
+    /// The method's course up to resolve, which is for whoever wants the results; `geometry` runs the passes over
+    /// fragments, by the function of the twin.
     ///
     /// # Errors
     /// Whatever the device says.
     pub fn run(&self, mut geometry: impl FnMut(&str) -> Result<()>) -> Result<()> {
-        for (number, pass) in self.shape.contract.program.passes.iter().enumerate() {
-            match pass.kind {
-                Kind::Store => geometry("store")?,
-                Kind::Prepare => geometry("prepare")?,
-                Kind::Screen => {
-                    let pass = self.pass("screen_pass", None, &[])?;
-                    let mut encoder = self.device.encoder();
-                    self.dispatch(&mut encoder, &pass, None, self.shape.config.pixels.into());
-                    self.device.submit(encoder)?;
-                }
-                Kind::Frame => self.frame_pass(number)?,
-            }
-        }
+        let program = &self.shape.contract.program;
+        let part = |part: &Part| match *part {
+            Part::Clear => self.clear(),
+            Part::Resolve => Ok(()),
+            Part::Pass(number) => match program.passes[number].kind {
+                Kind::Store => geometry("store"),
+                Kind::Prepare => geometry("prepare"),
+                Kind::Screen => self.screen_pass(),
+                Kind::Frame => self.frame_pass(number),
+            },
+        };
+        let mut part = part;
+        Course::of(program).walk(|parts| parts.iter().try_for_each(&mut part).map(|()| false))?;
         Ok(())
+    }
+
+    /// A full-screen pass.
+    fn screen_pass(&self) -> Result<()> {
+        let pass = self.pass("screen_pass", None, &[])?;
+        let mut encoder = self.device.encoder();
+        self.dispatch(&mut encoder, &pass, None, self.shape.config.pixels.into());
+        self.device.submit(encoder)
     }
 
     /// One pass over the frame's words.
@@ -498,6 +516,13 @@ impl<'d> Program<'d> {
         let pass = self.pass(entry, Some(&group.layout), &[])?;
         Ok((group, pass))
     }
+}
+
+/// The words of all inputs.
+fn inputs(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
+    let mut words = shape.input_words();
+    words.resize(words.len().max(1), 0);
+    device.filled("inputs", bytemuck::cast_slice(&words), BufferUsages::STORAGE)
 }
 
 /// The offsets of a hash table's ages.

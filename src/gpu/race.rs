@@ -11,7 +11,6 @@ use super::raster::{Raster, Triangles};
 use super::resolve::Resolve;
 use super::source::Twin;
 use crate::exec::clock::Stopwatch;
-use crate::scheme::catalogue;
 
 /// A scene on a device, ready to be drawn again and again. It must fit the device at once.
 #[derive(Debug)]
@@ -29,10 +28,10 @@ impl<'d> Contender<'d> {
     pub fn new(
         device: &'d Device,
         picture: &'d Picture,
-        twin: &'static Twin,
+        twin: Twin,
         k: Option<u32>,
     ) -> Result<Self> {
-        let contract = catalogue::contract(twin.method)?;
+        let contract = twin.method.contract();
         let band = picture.whole();
         let record = record(contract);
         let shape = Shape::new(twin.method, band.config(contract, k))?;
@@ -53,12 +52,11 @@ impl<'d> Contender<'d> {
         mut between: impl FnMut(),
     ) -> Result<Vec<f64>> {
         let contract = self.program.shape.contract;
-        let expected = self.band.expected(contract, record(contract), k);
+        let expected = self.band.expected(self.program.twin.method, record(contract), k);
         let starts = &expected.kept.starts;
         let raster = Raster::new(&self.program, &self.band, &self.triangles)?;
         let resolve = Resolve::new(&self.program, &self.band.picture.palette, starts)?;
         let frame = || {
-            self.program.clear()?;
             self.program.run(|function| raster.draw(function))?;
             resolve.run()
         };

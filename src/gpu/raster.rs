@@ -142,7 +142,7 @@ impl<'a, 'd> Raster<'a, 'd> {
             .with_power("PER_HALF_VIEWPORT", -(VIEWPORT / 2 * UNITS).ilog2().cast_signed())
             .with("BAND_TOP", band.top().into());
         let text = program.twin.module(&constants, Path::Raster)?;
-        let module = device.module(program.twin.method, &text)?;
+        let module = device.module(program.twin.method.name(), &text)?;
         let most = (device.largest() / size_of::<Instance>() as u64).max(1);
         let mut buffers = Vec::new();
         for chunk in &triangles.chunks {

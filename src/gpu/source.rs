@@ -6,12 +6,14 @@
 use std::fmt::Write;
 
 use super::failure::{Failure, Result};
+use crate::catalogue::Catalogue;
+use crate::exec::Method;
 
 /// A method in WGSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Twin {
-    /// The method's name in the catalogue.
-    pub method: &'static str,
+    /// The method.
+    pub method: Method,
     /// Its text, before includes.
     pub text: &'static str,
 }
@@ -33,12 +35,12 @@ const FILES: &[(&str, &str)] = files! {
 
 macro_rules! twins {
     ($($method:literal $file:literal)*) => {
-        &[$(Twin { method: $method, text: include_str!(concat!("wgsl/", $file, ".wgsl")) }),*]
+        &[$(($method, include_str!(concat!("wgsl/", $file, ".wgsl")))),*]
     };
 }
 
-/// All twins, in the catalogue's order.
-pub const TWINS: &[Twin] = twins! {
+/// The built-in twins, by the names of their methods, in the catalogue's order.
+const TWINS: &[(&str, &str)] = twins! {
     "z-buffer" "z_buffer"
     "ab-array" "ab_array"
     "ab-ll" "ab_ll"
@@ -71,10 +73,20 @@ const ENTRIES: &[(&str, &str)] = &[
 const RASTER_ENTRIES: &[(&str, &str)] =
     &[("prepare", "pass/prepare_raster"), ("store", "pass/store_raster")];
 
-/// The twin of a method.
+/// The built-in twins, in the catalogue's order.
 #[must_use]
-pub fn twin(method: &str) -> Option<&'static Twin> {
-    TWINS.iter().find(|twin| twin.method == method)
+pub fn twins() -> Vec<Twin> {
+    let catalogue = Catalogue::built_in();
+    let twin = |&(name, text): &(&str, &'static str)| {
+        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
+    };
+    TWINS.iter().filter_map(twin).collect()
+}
+
+/// The built-in twin of a method.
+#[must_use]
+pub fn twin(method: Method) -> Option<Twin> {
+    twins().into_iter().find(|twin| twin.method == method)
 }
 
 /// Which entry points a module has.

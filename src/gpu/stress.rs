@@ -12,14 +12,14 @@ use super::program::{Program, Shape, constants};
 use super::resolve::resolve;
 use super::source::Twin;
 use crate::explore::litmus::{Family, Litmus, instances};
-use crate::explore::{self, Limits, MemoryModel, Profile, Subject, subject};
+use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment};
 use crate::num::depth::Format;
 use crate::num::random::Random;
 use crate::raster::{Grid, Record};
-use crate::scheme::Config;
 use crate::scheme::contract::Contract;
 use crate::scheme::hash::{DEFAULT_LOAD, Settings, size_for_load};
+use crate::scheme::{Config, Held};
 
 /// Copies of a litmus pixel in one picture.
 const COPIES: u32 = 4_096;
@@ -80,13 +80,13 @@ pub struct Stressed {
 ///
 /// # Errors
 /// The device is lost. What it cannot do is said in the result.
-pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<Stressed> {
-    let subject = subject(twin.method)?;
+pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
+    let subject = Subject::new(twin.method)?;
     let contract = subject.contract;
     let mut sum = Stressed {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.to_owned(),
+        method: twin.method.name().to_owned(),
         instances: 0,
         unexplored: 0,
         runs: 0,
@@ -106,7 +106,7 @@ pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<St
     let device_model = explore::Device { memory: MemoryModel::Sequential, warp: None };
     let limits = Limits { states: STATES, cancelled: &|| false };
     let mut known = BTreeSet::new();
-    for litmus in instances(contract, &family).into_iter().filter(whole) {
+    for litmus in instances(&subject, &family).into_iter().filter(whole) {
         if contract.crosses && known.contains(&litmus.fragments) {
             continue;
         }
@@ -115,8 +115,9 @@ pub fn stress(device: &Device, twin: &'static Twin, extent: Extent) -> Result<St
             sum.unexplored += 1;
             continue;
         }
+        let first = |pixels: &Vec<Held>| pixels[0].keys().unwrap_or_default().to_vec();
         let mut tally: BTreeMap<Vec<u64>, u64> =
-            explored.outcomes.keys().map(|lists| (lists[0].clone(), 0)).collect();
+            explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
         if contract.crosses {
             // Copies share one table, in which all find room: so must they in the table that is explored.
             let mut all = litmus.generated(0);
@@ -171,7 +172,7 @@ impl Stressed {
         let limits = Limits { states: STATES, cancelled: &|| false };
         let explored = explore::explore(subject, litmus, device, &limits);
         for (keys, &count) in others {
-            if explored.outcomes.contains_key(std::slice::from_ref(keys)) {
+            if explored.outcomes.contains_key(&[Held::Keys(keys.clone())][..]) {
                 self.relaxed += count;
                 continue;
             }
@@ -188,7 +189,7 @@ impl Stressed {
 /// Run an instance; what came out that is not in the tally.
 fn run(
     device: &Device,
-    twin: &'static Twin,
+    twin: Twin,
     contract: &'static Contract,
     litmus: &Litmus,
     extent: Extent,
@@ -222,7 +223,6 @@ fn run(
             // The explorer tries both, wherever a word is read that nobody wrote.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
-            program.clear()?;
             program.run(|function| program.compute(function, &fragments))?;
             let got = resolve(&program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {

@@ -1,5 +1,5 @@
 //! Storage for one space of a layout: records of words, zeroed when made. The system hands out zeroed pages on first
-//! touch, so a large pool costs only what is used of it.
+//! touch, so a large pool costs only what is used of it. Accesses beyond the end have no effect, and are counted.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, AtomicU64};
@@ -8,6 +8,9 @@ use super::layout::{At, Sizes};
 use super::word::{Atomics, Cells};
 use super::{Access, Atomic, Global, Kind, Order, Space, Update, Word, Words};
 
+/// What an access outside of the words reads.
+const NOTHING: u64 = 0;
+
 /// Words that many threads share. Plain words are relaxed atomics too, as safe Rust demands; on the machines at hand
 /// that is the same instruction.
 #[derive(Debug)]
@@ -15,6 +18,7 @@ pub struct Shared {
     words32: Box<[AtomicU32]>,
     words64: Box<[AtomicU64]>,
     stride: Sizes,
+    outside: AtomicU64,
 }
 
 /// Words that one thread owns.
@@ -23,6 +27,7 @@ pub struct Owned {
     words32: Box<[Cell<u32>]>,
     words64: Box<[Cell<u64>]>,
     stride: Sizes,
+    outside: Cell<u64>,
 }
 
 /// A handle's view of shared words. A handle holds its views by value, so that the compiler knows their addresses and
@@ -31,6 +36,7 @@ pub struct Owned {
 pub(super) struct SharedView<'a> {
     words: Atomics<'a>,
     stride: Sizes,
+    outside: &'a AtomicU64,
 }
 
 /// The same of owned words.
@@ -38,6 +44,7 @@ pub(super) struct SharedView<'a> {
 pub(super) struct OwnedView<'a> {
     words: Cells<'a>,
     stride: Sizes,
+    outside: &'a Cell<u64>,
 }
 
 /// What every arena can do, at once.
@@ -71,6 +78,7 @@ impl Shared {
             words32: bytemuck::allocation::zeroed_slice_box(n32),
             words64: bytemuck::allocation::zeroed_slice_box(n64),
             stride: sizes,
+            outside: Default::default(),
         }
     }
 }
@@ -92,14 +100,34 @@ impl Shared {
         (narrow, self.words64.iter().map(|word| word.load(order)).collect())
     }
 
+    /// Accesses so far that went outside of the words.
+    #[must_use]
+    pub fn outside(&self) -> u64 {
+        self.outside.load(std::sync::atomic::Ordering::Relaxed)
+    }
+
     pub(super) fn view(&self) -> SharedView<'_> {
-        SharedView { words: (&self.words32, &self.words64), stride: self.stride }
+        let words = (&*self.words32, &*self.words64);
+        SharedView { words, stride: self.stride, outside: &self.outside }
     }
 }
 
 impl Owned {
+    /// Accesses so far that went outside of the words.
+    #[must_use]
+    pub fn outside(&self) -> u64 {
+        self.outside.get()
+    }
+
+    /// Count an access outside of the words.
+    #[cold]
+    pub(super) fn miss(&self) {
+        self.outside.set(self.outside.get() + 1);
+    }
+
     pub(super) fn view(&self) -> OwnedView<'_> {
-        OwnedView { words: (&self.words32, &self.words64), stride: self.stride }
+        let words = (&*self.words32, &*self.words64);
+        OwnedView { words, stride: self.stride, outside: &self.outside }
     }
 
     /// `records` records of the given sizes, all zero.
@@ -110,6 +138,7 @@ impl Owned {
             words32: bytemuck::allocation::zeroed_slice_box(n32),
             words64: bytemuck::allocation::zeroed_slice_box(n64),
             stride: sizes,
+            outside: Default::default(),
         }
     }
 
@@ -150,6 +179,26 @@ impl Owned {
     }
 }
 
+impl SharedView<'_> {
+    /// An access outside of the words: counted; what it reads.
+    #[cold]
+    #[inline(never)]
+    fn miss<W: Word>(&self) -> W {
+        self.outside.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        W::from_u64(NOTHING)
+    }
+}
+
+impl OwnedView<'_> {
+    /// The same.
+    #[cold]
+    #[inline(never)]
+    fn miss<W: Word>(&self) -> W {
+        self.outside.set(self.outside.get() + 1);
+        W::from_u64(NOTHING)
+    }
+}
+
 #[allow(clippy::inline_always, reason = "see `Memory`")]
 impl Arena for SharedView<'_> {
     #[inline(always)]
@@ -158,7 +207,8 @@ impl Arena for SharedView<'_> {
             Access::Plain => Order::Relaxed,
             Access::Atomic(order) => order,
         };
-        W::shared_load(self.words, index(&self.stride, at), order.for_load())
+        let read = W::shared_load(self.words, index(&self.stride, at), order.for_load());
+        read.unwrap_or_else(|| self.miss())
     }
 
     #[inline(always)]
@@ -167,12 +217,17 @@ impl Arena for SharedView<'_> {
             Access::Plain => Order::Relaxed,
             Access::Atomic(order) => order,
         };
-        W::shared_store(self.words, index(&self.stride, at), value, order.for_store());
+        let written =
+            W::shared_store(self.words, index(&self.stride, at), value, order.for_store());
+        if written.is_none() {
+            let _: W = self.miss();
+        }
     }
 
     #[inline(always)]
     fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, order: Order) -> W {
-        W::shared_update(self.words, index(&self.stride, at), u, order)
+        let old = W::shared_update(self.words, index(&self.stride, at), u, order);
+        old.unwrap_or_else(|| self.miss())
     }
 }
 
@@ -180,17 +235,27 @@ impl Arena for SharedView<'_> {
 impl Arena for OwnedView<'_> {
     #[inline(always)]
     fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, _: Access) -> W {
-        W::owned(self.words)[index(&self.stride, at)].get()
+        match W::owned(self.words).get(index(&self.stride, at)) {
+            Some(cell) => cell.get(),
+            None => self.miss(),
+        }
     }
 
     #[inline(always)]
     fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, _: Access) {
-        W::owned(self.words)[index(&self.stride, at)].set(value);
+        match W::owned(self.words).get(index(&self.stride, at)) {
+            Some(cell) => cell.set(value),
+            None => {
+                let _: W = self.miss();
+            }
+        }
     }
 
     #[inline(always)]
     fn update<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, u: Update<W>, _: Order) -> W {
-        let cell = &W::owned(self.words)[index(&self.stride, at)];
+        let Some(cell) = W::owned(self.words).get(index(&self.stride, at)) else {
+            return self.miss();
+        };
         let old = cell.get();
         cell.set(u.apply(old));
         old

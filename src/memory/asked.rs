@@ -11,8 +11,10 @@ use std::panic::Location;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-use super::layout::Sizes;
-use super::{Access, At, Atomic, Block, Kind, Layout, Mark, Memory, Order, Space, Update, Word};
+use super::{
+    Access, Address, At, Atomic, Block, Event, InputAt, Inputs, Kind, Mark, Memory, Order, Space,
+    Update, Word,
+};
 
 /// A place in the source of a scheme.
 pub type Site = &'static Location<'static>;
@@ -31,10 +33,10 @@ pub enum Action {
 /// What an invocation waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// An operation on a word, by its number in [`Cells`]; the answer is the value read, or 0.
+    /// An operation on a word; the answer is the value read, or 0.
     Operation {
-        /// The word; [`Cells::OUTSIDE`] where the layout has none.
-        cell: u32,
+        /// The word, which the layout need not have.
+        at: Address,
         /// What to do.
         action: Action,
         /// From where.
@@ -44,103 +46,6 @@ pub enum Request {
     Spin(Mark, Site),
     /// To leave a block with the other lanes of its warp.
     Merge(Site),
-}
-
-/// The words of a few pixels and of the frame, numbered: the frame's first, then pixel by pixel; 32-bit words before
-/// 64-bit ones.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cells {
-    frame: Sizes,
-    pixel: Sizes,
-    pixels: u32,
-}
-
-/// What a cell's number stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellName {
-    /// The pixel; `None` for the frame.
-    pub pixel: Option<u32>,
-    /// The word within the record of its width.
-    pub word: u64,
-    /// 32 or 64.
-    pub bits: u32,
-}
-
-impl Cells {
-    /// The number of a word that does not exist.
-    pub const OUTSIDE: u32 = u32::MAX;
-
-    /// The words of a layout for so many pixels.
-    #[must_use]
-    pub fn new(layout: &Layout, pixels: u32) -> Self {
-        Self { frame: layout.per_frame(), pixel: layout.per_pixel(), pixels }
-    }
-
-    fn of(sizes: Sizes) -> u64 {
-        sizes.words32 + sizes.words64
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub fn count(&self) -> u64 {
-        Self::of(self.frame) + Self::of(self.pixel) * u64::from(self.pixels)
-    }
-
-    /// The number of a word, or [`Self::OUTSIDE`].
-    #[must_use]
-    pub fn number<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> u32 {
-        let (record, base) = if S::GLOBAL {
-            (self.frame, 0)
-        } else {
-            (self.pixel, Self::of(self.frame) + Self::of(self.pixel) * u64::from(at.pixel))
-        };
-        let (first, count) = match W::BITS {
-            64 => (record.words32, record.words64),
-            _ => (0, record.words32),
-        };
-        let inside = at.word < count && (S::GLOBAL || at.pixel < self.pixels);
-        if inside { (base + first + at.word) as u32 } else { Self::OUTSIDE }
-    }
-
-    /// The number of a pixel's 32-bit word.
-    #[must_use]
-    pub fn pixel_word(&self, pixel: u32, word: u64) -> u32 {
-        (Self::of(self.frame) + Self::of(self.pixel) * u64::from(pixel) + word) as u32
-    }
-
-    /// What a number stands for.
-    #[must_use]
-    pub fn name(&self, cell: u32) -> CellName {
-        let (frame, record) = (Self::of(self.frame), Self::of(self.pixel).max(1));
-        let cell = u64::from(cell);
-        let (pixel, sizes, word) = if cell < frame {
-            (None, self.frame, cell)
-        } else {
-            let pixel = (cell - frame) / record;
-            (Some(pixel as u32), self.pixel, (cell - frame) % record)
-        };
-        if word < sizes.words32 {
-            CellName { pixel, word, bits: 32 }
-        } else {
-            CellName { pixel, word: word - sizes.words32, bits: 64 }
-        }
-    }
-}
-
-/// Words at one moment, for looking at and not for computing with.
-pub struct Snapshot<'a> {
-    /// The numbering.
-    pub cells: &'a Cells,
-    /// A word's value by its number; `None` while it holds what nobody wrote.
-    pub value: &'a dyn Fn(u32) -> Option<u64>,
-}
-
-impl Snapshot<'_> {
-    /// The word's value; `None` while it holds what nobody wrote.
-    #[must_use]
-    pub fn get<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> Option<W> {
-        (self.value)(self.cells.number(at)).map(W::from_u64)
-    }
 }
 
 /// A block of the invocation's stack: where it was opened, and how many its parent had opened before.
@@ -155,7 +60,7 @@ pub struct OpenBlock {
 /// One invocation's view: what it asks, and where it stands.
 #[derive(Debug)]
 pub struct Asked<'a> {
-    cells: &'a Cells,
+    inputs: &'a Inputs,
     request: Cell<Option<Request>>,
     answer: Cell<Option<u64>>,
     answered: Cell<u32>,
@@ -165,6 +70,8 @@ pub struct Asked<'a> {
     sites: RefCell<Vec<Site>>,
     /// After how many answers the invocation last said what it depends on, where, and on what.
     here: RefCell<Option<(u32, Here)>>,
+    /// What the invocation had counted since this was last asked.
+    noted: RefCell<Vec<Event>>,
     lanes: bool,
 }
 
@@ -180,9 +87,9 @@ pub struct Here {
 impl<'a> Asked<'a> {
     /// At an invocation's beginning. With `lanes`, merges are questions too.
     #[must_use]
-    pub fn new(cells: &'a Cells, lanes: bool) -> Self {
+    pub fn new(inputs: &'a Inputs, lanes: bool) -> Self {
         Self {
-            cells,
+            inputs,
             request: Cell::new(None),
             answer: Cell::new(None),
             answered: Cell::new(0),
@@ -190,6 +97,7 @@ impl<'a> Asked<'a> {
             opened: RefCell::new(vec![0]),
             sites: RefCell::default(),
             here: RefCell::default(),
+            noted: RefCell::default(),
             lanes,
         }
     }
@@ -227,6 +135,12 @@ impl<'a> Asked<'a> {
         self.sites.borrow().clone()
     }
 
+    /// What the invocation had counted since this was last asked.
+    #[must_use]
+    pub fn take_noted(&self) -> Vec<Event> {
+        self.noted.take()
+    }
+
     #[track_caller]
     fn ask<T>(&self, request: Request, read: fn(u64) -> T) -> Question<'_, T> {
         Question { asked: self, request, read, typed: PhantomData }
@@ -257,28 +171,14 @@ impl<T> Future for Question<'_, T> {
     }
 }
 
-fn widen<W: Word>(update: Update<W>) -> Update<u64> {
-    match update {
-        Update::Exchange(v) => Update::Exchange(v.to_u64()),
-        Update::CompareExchange { expected, new } => {
-            Update::CompareExchange { expected: expected.to_u64(), new: new.to_u64() }
-        }
-        Update::Add(v) => Update::Add(v.to_u64()),
-        Update::And(v) => Update::And(v.to_u64()),
-        Update::Or(v) => Update::Or(v.to_u64()),
-        Update::Min(v) => Update::Min(v.to_u64()),
-        Update::Max(v) => Update::Max(v.to_u64()),
-    }
-}
-
 impl Memory for Asked<'_> {
     fn read<S: Space, K: Kind, W: Word>(
         &self,
         at: At<S, K, W>,
         access: Access,
     ) -> impl Future<Output = W> + Unpin {
-        let (cell, action) = (self.cells.number(at), Action::Read(access));
-        self.ask(Request::Operation { cell, action, site: Location::caller() }, W::from_u64)
+        let (at, action) = (at.address(), Action::Read(access));
+        self.ask(Request::Operation { at, action, site: Location::caller() }, W::from_u64)
     }
 
     fn write<S: Space, K: Kind, W: Word>(
@@ -287,8 +187,8 @@ impl Memory for Asked<'_> {
         value: W,
         access: Access,
     ) -> impl Future<Output = ()> + Unpin {
-        let (cell, action) = (self.cells.number(at), Action::Write(value.to_u64(), access));
-        self.ask(Request::Operation { cell, action, site: Location::caller() }, |_| ())
+        let (at, action) = (at.address(), Action::Write(value.to_u64(), access));
+        self.ask(Request::Operation { at, action, site: Location::caller() }, |_| ())
     }
 
     fn update<S: Space, W: Word>(
@@ -297,8 +197,17 @@ impl Memory for Asked<'_> {
         update: Update<W>,
         order: Order,
     ) -> impl Future<Output = W> + Unpin {
-        let (cell, action) = (self.cells.number(at), Action::Update(widen(update), order));
-        self.ask(Request::Operation { cell, action, site: Location::caller() }, W::from_u64)
+        let (at, action) = (at.address(), Action::Update(update.map(W::to_u64), order));
+        self.ask(Request::Operation { at, action, site: Location::caller() }, W::from_u64)
+    }
+
+    fn input(&self, at: InputAt) -> u32 {
+        self.note(Event::Input);
+        self.inputs.get(at)
+    }
+
+    fn note(&self, event: Event) {
+        self.noted.borrow_mut().push(event);
     }
 
     fn spin(&self, mark: Mark) -> impl Future<Output = ()> + Unpin {

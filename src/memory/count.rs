@@ -136,11 +136,11 @@ impl Observer for Counters {
 
     #[inline(always)]
     fn note(&self, event: Event) {
-        let counter = match event {
-            Event::Probe => PROBES,
-            Event::Eviction => EVICTIONS,
-        };
-        self.bump(counter, 1);
+        match event {
+            Event::Probe => self.bump(PROBES, 1),
+            Event::Eviction => self.bump(EVICTIONS, 1),
+            Event::Input => self.read(Access::Plain, u32::BITS),
+        }
     }
 
     fn counters(&self) -> Option<&Counters> {

@@ -10,7 +10,8 @@ use std::future::{Future, ready};
 
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
 use super::{
-    Access, At, Atomic, Event, Kind, Mark, Memory, Observer, Order, Pool, Space, Update, Word,
+    Access, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool, Space,
+    Update, Word,
 };
 
 /// One worker's handle.
@@ -22,31 +23,28 @@ pub struct Exclusive<'a, O> {
     global: SharedView<'a>,
     /// The next index of the tile's own range of every pool.
     next: Option<&'a Cell<u32>>,
+    inputs: &'a Inputs,
     observer: &'a O,
 }
 
 impl<'a, O: Observer> Exclusive<'a, O> {
-    /// A handle that reports to `observer`. `next` is the first index of the tile's range in pools, if it has one.
+    /// A handle that reports to `observer`.
     #[must_use]
-    pub fn new(
-        pixel: &'a Owned,
-        global: &'a Shared,
-        next: Option<&'a Cell<u32>>,
-        observer: &'a O,
-    ) -> Self {
-        Self::from(0, pixel, global, next, observer)
+    pub fn new(pixel: &'a Owned, global: &'a Shared, inputs: &'a Inputs, observer: &'a O) -> Self {
+        let (pixel, global) = (pixel.view(), global.view());
+        Self { first: 0, pixel, global, next: None, inputs, observer }
     }
 
-    /// A handle whose records are those of pixel `first` and the next ones.
+    /// The same, whose records are those of pixel `first` and the next ones.
     #[must_use]
-    pub fn from(
-        first: u32,
-        pixel: &'a Owned,
-        global: &'a Shared,
-        next: Option<&'a Cell<u32>>,
-        observer: &'a O,
-    ) -> Self {
-        Self { first, pixel: pixel.view(), global: global.view(), next, observer }
+    pub fn from(self, first: u32) -> Self {
+        Self { first, ..self }
+    }
+
+    /// The same, which takes the indices of pools from `next` on, if there is one.
+    #[must_use]
+    pub fn taking(self, next: Option<&'a Cell<u32>>) -> Self {
+        Self { next, ..self }
     }
 
     #[inline(always)]
@@ -111,6 +109,12 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         };
         self.observer.update(Update::Add(1u32), index);
         ready(index)
+    }
+
+    #[inline(always)]
+    fn input(&self, at: InputAt) -> u32 {
+        self.observer.note(Event::Input);
+        self.inputs.get(at)
     }
 
     /// Nobody else can be waited for: a scheme that spins here would spin for ever, and a pixel's lock is always free.

@@ -9,7 +9,7 @@ use std::future::Future;
 use std::marker::PhantomData;
 
 use super::{
-    Access, At, Atomic, Block, Event, Kind, Mark, Memory, Order, Pool, Space, Update, Word,
+    Access, At, Atomic, Block, Event, InputAt, Kind, Mark, Memory, Order, Pool, Space, Update, Word,
 };
 
 /// A memory, inside of scheme `S`.
@@ -60,6 +60,11 @@ impl<M: Memory, T> Memory for Inside<'_, M, T> {
         order: Order,
     ) -> impl Future<Output = W> + Unpin {
         self.mem.update(at, update, order)
+    }
+
+    #[inline(always)]
+    fn input(&self, at: InputAt) -> u32 {
+        self.mem.input(at)
     }
 
     #[inline(always)]

@@ -21,16 +21,20 @@ pub mod exclusive;
 mod inside;
 pub mod layout;
 pub mod native;
+mod perform;
 pub mod sim;
 pub mod word;
 
 use std::future::Future;
 
-pub use asked::Snapshot;
 pub use both::{Both, both};
 pub use count::{Counters, Observer};
 pub use inside::Inside;
-pub use layout::{At, Atomic, Global, Growing, Kind, Layout, Pixel, Plain, Pool, Space, Words};
+pub use layout::{
+    Address, At, Atomic, Declared, Global, Growing, Input, InputAt, Inputs, Kind, Layout,
+    Numbering, Per, Pixel, Plain, Pool, Snapshot, Space, Words,
+};
+pub use perform::perform;
 pub use word::Word;
 
 /// How an atomic operation is ordered against others, as in C++ and Rust (there is no sequentially consistent one:
@@ -81,6 +85,23 @@ pub enum Update<W> {
 }
 
 impl<W: Word> Update<W> {
+    /// The same update of words of another width.
+    #[inline(always)]
+    #[must_use]
+    pub fn map<V: Word>(self, word: impl Fn(W) -> V) -> Update<V> {
+        match self {
+            Self::Exchange(v) => Update::Exchange(word(v)),
+            Self::CompareExchange { expected, new } => {
+                Update::CompareExchange { expected: word(expected), new: word(new) }
+            }
+            Self::Add(v) => Update::Add(word(v)),
+            Self::And(v) => Update::And(word(v)),
+            Self::Or(v) => Update::Or(word(v)),
+            Self::Min(v) => Update::Min(word(v)),
+            Self::Max(v) => Update::Max(word(v)),
+        }
+    }
+
     /// What the word holds afterwards.
     #[inline(always)]
     #[must_use]
@@ -122,6 +143,8 @@ pub enum Event {
     Probe,
     /// It has pushed a record out of its cell.
     Eviction,
+    /// It has read a word of an input.
+    Input,
 }
 
 /// A place in an invocation that a wait goes back to: see [`Memory::mark`].
@@ -135,8 +158,9 @@ pub struct Block(pub u32);
 /// Shared memory, as a shader invocation sees it. An implementation has four operations; a scheme uses the named ones
 /// below them.
 ///
-/// # Panics
-/// Every operation panics on an address outside the layout the memory was made for, which only a faulty scheme makes.
+/// An access outside of the words that a memory was made for, which only a faulty scheme makes, does what robust buffer
+/// access does (Vulkan's `robustBufferAccess`): a read gives 0, a write has no effect, an update gives 0 and has no effect.
+/// The memory counts it.
 #[allow(clippy::inline_always, reason = "the cost of a scheme is the cost of these operations")]
 pub trait Memory {
     /// Read a word.
@@ -164,6 +188,9 @@ pub trait Memory {
         update: Update<W>,
         order: Order,
     ) -> impl Future<Output = W> + Unpin;
+
+    /// Read a word of an input. No operation: nobody writes it, so that no order of anything shows.
+    fn input(&self, at: InputAt) -> u32;
 
     /// Say that this invocation waits for another one and is about to try again from `mark`.
     ///

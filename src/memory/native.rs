@@ -4,7 +4,10 @@ use std::cell::Cell;
 use std::future::{Future, Ready, ready};
 
 use super::arena::{Arena, Shared, SharedView};
-use super::{Access, At, Atomic, Event, Kind, Mark, Memory, Observer, Order, Space, Update, Word};
+use super::{
+    Access, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Space, Update,
+    Word,
+};
 
 /// Failed attempts after which a waiting thread gives up its core for once: the holder may not be running.
 const SPINS_BEFORE_YIELD: u32 = 64;
@@ -20,14 +23,15 @@ thread_local! {
 pub struct Native<'a, O> {
     pixel: SharedView<'a>,
     global: SharedView<'a>,
+    inputs: &'a Inputs,
     observer: &'a O,
 }
 
 impl<'a, O: Observer> Native<'a, O> {
     /// A handle that reports to `observer`.
     #[must_use]
-    pub fn new(pixel: &'a Shared, global: &'a Shared, observer: &'a O) -> Self {
-        Self { pixel: pixel.view(), global: global.view(), observer }
+    pub fn new(pixel: &'a Shared, global: &'a Shared, inputs: &'a Inputs, observer: &'a O) -> Self {
+        Self { pixel: pixel.view(), global: global.view(), inputs, observer }
     }
 
     #[inline(always)]
@@ -70,6 +74,12 @@ impl<O: Observer> Memory for Native<'_, O> {
         let old = self.arena::<S>().update(at, update, order);
         self.observer.update(update, old);
         ready(old)
+    }
+
+    #[inline(always)]
+    fn input(&self, at: InputAt) -> u32 {
+        self.observer.note(Event::Input);
+        self.inputs.get(at)
     }
 
     #[inline]

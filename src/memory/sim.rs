@@ -16,10 +16,9 @@ use std::pin::Pin;
 use std::task::{Context, Poll};
 
 use super::arena::Owned;
-use super::asked::Cells as Numbers;
 use super::{
-    Access, At, Atomic, Event, Global, Kind, Layout, Mark, Memory, Observer, Order, Space, Update,
-    Word, Words,
+    Access, Address, At, Atomic, Event, Global, InputAt, Inputs, Kind, Layout, Mark, Memory,
+    Observer, Order, Space, Update, Word, Words,
 };
 
 /// The memory of a simulated device; its operations are reported to an observer.
@@ -27,6 +26,9 @@ use super::{
 pub struct Sim<O> {
     pixel: Owned,
     global: Owned,
+    inputs: Inputs,
+    /// What an access outside of the words finds: zeros, each time anew.
+    nowhere: (Cell<u32>, Cell<u64>),
     granted: Cell<bool>,
     /// An invocation has waited since this was last asked.
     waited: Cell<bool>,
@@ -54,7 +56,7 @@ impl<O: Observer> Sim<O> {
     /// Memory for `pixels` pixels. Every word starts as `pattern`, so that a scheme can rely on nothing but its clear
     /// pass.
     #[must_use]
-    pub fn new(layout: &Layout, pixels: usize, pattern: u64, observer: O) -> Self {
+    pub fn new(layout: &Layout, pixels: usize, inputs: Inputs, pattern: u64, observer: O) -> Self {
         let (pixel, global) =
             (Owned::new(layout.per_pixel(), pixels), Owned::new(layout.per_frame(), 1));
         if pattern != 0 {
@@ -64,6 +66,8 @@ impl<O: Observer> Sim<O> {
         Self {
             pixel,
             global,
+            inputs,
+            nowhere: Default::default(),
             granted: Cell::new(false),
             waited: Cell::new(false),
             telling: Cell::new(false),
@@ -95,15 +99,19 @@ impl<O: Observer> Sim<O> {
         self.changed.take()
     }
 
-    /// The value of a word, by its number.
+    /// The value of a word.
     #[must_use]
-    pub fn value(&self, cells: &Numbers, cell: u32) -> Option<u64> {
-        let name = cells.name(cell);
-        let (arena, record) = match name.pixel {
+    pub fn value(&self, address: Address) -> Option<u64> {
+        let (arena, record) = match address.pixel {
             None => (&self.global, 0),
             Some(pixel) => (&self.pixel, pixel),
         };
-        arena.value(record, name.bits, name.word)
+        arena.value(record, address.bits, address.word)
+    }
+
+    /// Accesses so far that went outside of the words.
+    pub fn outside(&self) -> u64 {
+        self.pixel.outside() + self.global.outside()
     }
 
     /// All values of a run of the frame's words.
@@ -114,7 +122,7 @@ impl<O: Observer> Sim<O> {
 
     #[inline(always)]
     fn changes<S: Space, W: Word>(&self, index: usize, old: W, new: W) {
-        if S::GLOBAL && self.telling.get() {
+        if S::GLOBAL && self.telling.get() && index < self.global.words::<W>().len() {
             let (old, new) = (old.to_u64(), new.to_u64());
             self.changed.set(Some(Change { bits: W::BITS, word: index as u64, old, new }));
         }
@@ -128,6 +136,16 @@ impl<O: Observer> Sim<O> {
     #[inline(always)]
     fn arena<S: Space>(&self) -> &Owned {
         if S::GLOBAL { &self.global } else { &self.pixel }
+    }
+
+    /// An access outside of the words.
+    #[cold]
+    fn nowhere<S: Space, W: Word>(&self) -> &Cell<W> {
+        self.arena::<S>().miss();
+        self.nowhere.0.set(0);
+        self.nowhere.1.set(0);
+        let (narrow, wide) = (&self.nowhere.0, &self.nowhere.1);
+        &W::owned((std::slice::from_ref(narrow), std::slice::from_ref(wide)))[0]
     }
 
     #[inline(always)]
@@ -166,7 +184,8 @@ where
         let Self { mem, index, .. } = *self;
         let words = mem.arena::<S>().words::<W>();
         if mem.granted.replace(false) {
-            return Poll::Ready((self.perform)(mem, &words[index]));
+            let word = words.get(index).unwrap_or_else(|| mem.nowhere::<S, W>());
+            return Poll::Ready((self.perform)(mem, word));
         }
         if let Some(word) = words.get(index) {
             black_box(word.get());
@@ -220,6 +239,12 @@ impl<O: Observer> Memory for Sim<O> {
             mem.observer.update(update, old);
             old
         })
+    }
+
+    #[inline(always)]
+    fn input(&self, at: InputAt) -> u32 {
+        self.observer.note(Event::Input);
+        self.inputs.get(at)
     }
 
     /// Not an operation: the invocation goes straight on to its next attempt, which waits.

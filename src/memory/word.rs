@@ -42,16 +42,21 @@ pub trait Word:
     #[doc(hidden)]
     fn owned(cells: Cells<'_>) -> &[Cell<Self>];
     #[doc(hidden)]
-    fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Self;
+    fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Option<Self>;
     #[doc(hidden)]
-    fn shared_store(atomics: Atomics<'_>, index: usize, value: Self, ordering: Ordering);
+    fn shared_store(
+        atomics: Atomics<'_>,
+        index: usize,
+        value: Self,
+        ordering: Ordering,
+    ) -> Option<()>;
     #[doc(hidden)]
     fn shared_update(
         atomics: Atomics<'_>,
         index: usize,
         update: Update<Self>,
         order: Order,
-    ) -> Self;
+    ) -> Option<Self>;
 }
 
 macro_rules! word {
@@ -91,13 +96,19 @@ macro_rules! word {
             }
 
             #[inline(always)]
-            fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Self {
-                atomics.$half[index].load(ordering)
+            fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Option<Self> {
+                Some(atomics.$half.get(index)?.load(ordering))
             }
 
             #[inline(always)]
-            fn shared_store(atomics: Atomics<'_>, index: usize, value: Self, ordering: Ordering) {
-                atomics.$half[index].store(value, ordering);
+            fn shared_store(
+                atomics: Atomics<'_>,
+                index: usize,
+                value: Self,
+                ordering: Ordering,
+            ) -> Option<()> {
+                atomics.$half.get(index)?.store(value, ordering);
+                Some(())
             }
 
             #[inline(always)]
@@ -106,10 +117,10 @@ macro_rules! word {
                 index: usize,
                 update: Update<Self>,
                 order: Order,
-            ) -> Self {
-                let cell: &$atomic = &atomics.$half[index];
+            ) -> Option<Self> {
+                let cell: &$atomic = atomics.$half.get(index)?;
                 let ordering = order.for_update();
-                match update {
+                Some(match update {
                     Update::Exchange(v) => cell.swap(v, ordering),
                     Update::CompareExchange { expected, new } => {
                         match cell.compare_exchange(expected, new, ordering, order.for_load()) {
@@ -121,7 +132,7 @@ macro_rules! word {
                     Update::Or(v) => cell.fetch_or(v, ordering),
                     Update::Min(v) => cell.fetch_min(v, ordering),
                     Update::Max(v) => cell.fetch_max(v, ordering),
-                }
+                })
             }
         }
     };

@@ -5,11 +5,10 @@
 //! of fewer fragments than there are, and drops what finds no room.
 
 use crate::error::{Error, Result};
-use crate::memory::Layout;
+use crate::exec::Method;
 use crate::raster::FrontEnd;
-use crate::scheme::catalogue::{self, Visitor};
+use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Demand, Keeps};
-use crate::scheme::{Config, Scheme};
 
 /// What a budget led to.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -31,12 +30,14 @@ pub(super) struct Scene<'a> {
     front: &'a FrontEnd,
     /// By storage pixel: those outside of the picture have no fragments.
     histogram: Vec<u64>,
-    contract: &'a Contract,
+    method: Method,
+    contract: &'static Contract,
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn new(front: &'a FrontEnd, contract: &'a Contract) -> Self {
-        Self { front, histogram: front.depth_complexity(), contract }
+    pub(super) fn new(front: &'a FrontEnd, method: Method) -> Self {
+        let (histogram, contract) = (front.depth_complexity(), method.contract());
+        Self { front, histogram, method, contract }
     }
 
     fn sum(&self, of: impl Fn(u64) -> u64) -> u64 {
@@ -66,11 +67,11 @@ impl<'a> Scene<'a> {
         let mut histogram = self.histogram.clone();
         histogram[0] -= padding;
         let mut budget = Budget { bytes, histogram, ..Budget::default() };
-        let size = |config: Config| catalogue::visit(self.contract.name, Bytes { config });
+        let size = |config: Config| storage_bytes(self.method, &config);
         let takes_k = self.contract.default_k.is_some();
         let ends = [1, most.max(2) as u32].map(|k| size(self.config(Some(k))));
         let [small, large] = ends;
-        if takes_k && small? < large? {
+        if takes_k && small < large {
             let most = most.clamp(1, u64::from(self.contract.max_k));
             let with = |k: u64| self.config(Some(k as u32));
             let k = self.largest(most, &|k| size(with(k)), bytes, "k = 1")?;
@@ -110,11 +111,11 @@ impl<'a> Scene<'a> {
     fn largest(
         &self,
         most: u64,
-        size: &dyn Fn(u64) -> Result<u64>,
+        size: &dyn Fn(u64) -> u64,
         bytes: u64,
         least: &str,
     ) -> Result<u64> {
-        let needed = size(1)?;
+        let needed = size(1);
         if needed > bytes {
             let name = self.contract.name;
             let problem = format!("{bytes} bytes: {name} needs {needed} for {least} at this size");
@@ -123,35 +124,17 @@ impl<'a> Scene<'a> {
         let (mut fits, mut beyond) = (1, most.max(1) + 1);
         while beyond - fits > 1 {
             let middle = u64::midpoint(fits, beyond);
-            if size(middle)? <= bytes { fits = middle } else { beyond = middle }
+            if size(middle) <= bytes { fits = middle } else { beyond = middle }
         }
         Ok(fits)
     }
 }
 
 /// The bytes of a method's storage for a configuration, by its own declaration.
-///
-/// # Errors
-/// An unknown method.
-pub fn storage_bytes(method: &str, config: &Config) -> Result<u64> {
-    catalogue::visit(method, Bytes { config: *config })
-}
-
-/// Asks a method how many bytes it needs.
-struct Bytes {
-    config: Config,
-}
-
-impl Visitor for Bytes {
-    type Output = u64;
-
-    fn scheme<S: Scheme>(self) -> u64 {
-        let mut layout = Layout::default();
-        let _ = S::new(&self.config, &mut layout);
-        layout.bytes(u64::from(self.config.pixels))
-    }
-
-    fn exact(self) -> u64 {
-        8 * self.config.generated
+#[must_use]
+pub fn storage_bytes(method: Method, config: &Config) -> u64 {
+    match method.instance(config) {
+        Some(instance) => instance.layout().bytes(u64::from(config.pixels)),
+        None => 8 * config.generated,
     }
 }

@@ -16,6 +16,12 @@ pub(super) fn make(effect: &Effect, stage: &Stage<'_>, report: &mut Report) -> R
     Ok(made)
 }
 
+/// Where there are no lists, only the picture that was composited is made.
+pub(super) fn none(effect: &Effect, report: &mut Report) -> Made {
+    report.effect = effect.name().to_owned();
+    Made::default()
+}
+
 /// That an effect which walks through solids has not seen all of their faces.
 fn incomplete(effect: &Effect, report: &Report) -> Option<String> {
     let Report { method, generated, .. } = report;

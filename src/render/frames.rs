@@ -11,7 +11,6 @@ use super::{Options, Rendering, render};
 use crate::error::{Error, Result};
 use crate::num::random;
 use crate::scene::{Bounds, Scene};
-use crate::scheme::catalogue;
 use crate::scheme::hash::{MOST_CELLS, Offsets, size_for};
 
 /// Load, in per cent, from which a table grows.
@@ -79,7 +78,7 @@ pub fn animate(
         let problem = format!("is {frames}, but must be 1 to {MAX_FRAMES}");
         return Err(Error::new("--frames", problem));
     }
-    let contract = catalogue::contract(&options.method)?;
+    let contract = options.method.contract();
     let follows =
         contract.crosses && options.hash.load.is_none() && options.memory_budget.is_none();
     let mut size = follows.then(|| options.hash.size.unwrap_or(scene.size));

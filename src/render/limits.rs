@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::exec::Job;
 use crate::memory::Layout;
 use crate::raster::Grid;
+use crate::scheme::bound::Bound;
 
 /// What executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
@@ -39,7 +40,10 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
 pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
     let grid = &job.front.grid;
     let pixels = u64::from(grid.width) * u64::from(grid.height);
-    let by_k = job.nearest.map_or(u64::MAX, |k| pixels.saturating_mul(u64::from(k)));
+    let by_k = match job.nearest {
+        Bound::Same(k) => pixels.saturating_mul(u64::from(k)),
+        Bound::All | Bound::PerPixel(_) => u64::MAX,
+    };
     let boxes = job.front.primitives().iter().map(|p| p.bounds.pixels());
     let fits = |fragments: u64| fragments.saturating_mul(KEPT_BYTES) <= options.max_memory;
     if fits(by_k.min(boxes.sum())) {

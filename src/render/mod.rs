@@ -3,48 +3,53 @@
 mod budget;
 mod effects;
 mod frames;
-mod hash;
+mod inputs;
 mod limits;
 mod options;
+mod reference;
 mod report;
 mod shadows;
+mod table;
 
 use crate::effect::ldi::Voxels;
 use crate::effect::{Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
-use crate::exec::{self, Frame, Job, Tally};
+use crate::exec::{self, Frame, Instance, Job, Method, Tally};
 use crate::image::Image;
-use crate::memory::{Counters, Layout, Observer};
+use crate::memory::{Counters, Inputs};
 use crate::num::color::word16;
-use crate::raster::{Attenuation, FrontEnd, Grid, Record};
-use crate::resolve::hash::fragments_hash;
+use crate::raster::{Attenuation, FrontEnd, Grid};
+use crate::resolve::digest::kept_hash;
 use crate::scene::Scene;
-use crate::scheme::catalogue::{self, Visitor};
+use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Contract, Demand, Keeps};
-use crate::scheme::{Config, Scheme};
+use crate::scheme::course::Course;
+use crate::scheme::{Config, HeldKind};
 
 pub use crate::effect::Effect;
 pub use crate::exec::sim::Checked;
 pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
-pub use crate::resolve::Lists;
+pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash::Offsets;
 pub use budget::{Budget, storage_bytes};
 pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
-pub use hash::{HashOptions, TableReport};
+pub use inputs::Given;
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
+pub use reference::{Reference, reference};
 pub use report::{Report, ShadowReport};
+pub use table::{HashOptions, TableReport};
 
 /// Everything one frame gives.
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// The picture.
     pub image: Image,
-    /// The kept fragments after resolve.
-    pub lists: Lists,
+    /// What the pixels hold after resolve.
+    pub kept: Kept,
     /// With [`Effect::Csg`], those of them that are surfaces of the combination.
     pub surfaces: Option<Lists>,
     /// With [`Effect::Ldi`], what is solid, if it was asked for.
@@ -57,13 +62,31 @@ pub struct Rendering {
     pub watched: Option<Watched>,
 }
 
+impl Rendering {
+    /// The kept fragments.
+    ///
+    /// # Errors
+    /// The method gives no lists of fragments.
+    pub fn lists(&self) -> Result<&Lists> {
+        self.kept
+            .fragments()
+            .ok_or_else(|| no_lists(&self.report.method, self.kept.kind(), "--fragments"))
+    }
+}
+
+/// That something needs lists of fragments, which a method does not give.
+fn no_lists(method: &str, holds: HeldKind, place: &str) -> Error {
+    let problem = format!("needs lists of fragments, but {method} gives {}", holds.name());
+    Error::new(place, problem)
+}
+
 /// What simulated memory holds before the clear pass: a scheme must not rely on zeroes.
 const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 
 /// Draw `scene`.
 ///
 /// # Errors
-/// An unknown method, an option out of range, more memory than `options.max_memory`, a recorded schedule that does
+/// An option out of range, an input that does not fit, more memory than `options.max_memory`, a recorded schedule that does
 /// not fit, or an effect that does not fit the scene.
 ///
 /// # Examples
@@ -72,29 +95,24 @@ const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 /// use fragloom::scene::{self, Overrides};
 ///
 /// let scene = scene::load("layers:count=4", &Overrides { size: Some([32, 32]), ..Overrides::default() })?;
-/// let drawn = render(&scene, &Options { method: "ab-ll".to_owned(), ..Options::default() })?;
+/// let drawn = render(&scene, &Options { method: fragloom::catalogue::method("ab-ll")?, ..Options::default() })?;
 /// assert_eq!(drawn.report.generated, 4 * 32 * 32);
-/// assert_eq!(drawn.lists.pixel(5, 5).len(), 4);
+/// assert_eq!(drawn.lists()?.pixel(5, 5).len(), 4);
 /// # Ok::<(), fragloom::error::Error>(())
 /// ```
 pub fn render(scene: &Scene, options: &Options) -> Result<Rendering> {
-    let contract = catalogue::contract(&options.method)?;
-    options.check(contract)?;
+    options.check()?;
     let threads = options.worker_threads();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
-    pool.install(|| draw(scene, options, contract, threads))
+    pool.install(|| draw(scene, options, threads))
 }
 
-fn draw(
-    scene: &Scene,
-    options: &Options,
-    contract: &'static Contract,
-    threads: usize,
-) -> Result<Rendering> {
+fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
+    let (method, contract) = (options.method, options.method.contract());
     options.effect.check(scene)?;
     let mut watch = Stopwatch::start();
-    let shadow = shadows::draw(scene, options, contract, threads)?;
+    let shadow = shadows::draw(scene, options, threads)?;
     let attenuation = shadow.map.map(|map| Box::new(map) as Box<dyn Attenuation>);
     if attenuation.is_some() {
         watch.lap("shadows");
@@ -103,10 +121,10 @@ fn draw(
     let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
     let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
     watch.lap("setup");
-    let (mut config, before_tile) = configure(&front, contract, options.k.or(contract.default_k));
+    let (mut config, before_tile) = configure(&front, method, options.k.or(contract.default_k));
     let mut chosen = None;
     if let Some(bytes) = options.memory_budget {
-        let (within, budget) = budget::Scene::new(&front, contract).within(bytes, options.k)?;
+        let (within, budget) = budget::Scene::new(&front, method).within(bytes, options.k)?;
         (config, chosen) = (within, Some(budget));
     }
     config.grid = grid;
@@ -114,14 +132,19 @@ fn draw(
         config.hash = options.hash.settings(config.generated, scene.size)?;
     }
     let k = config.k;
+    let instance = method.instance(&config);
+    let (inputs, nearest) = held_to(instance.as_deref(), scene, options, &grid, k)?;
     watch.lap("count");
     let job = Job {
         front: &front,
-        record: record(options, contract),
+        record: options.record(),
         sort: options.sort,
         background: scene.background.map(word16),
-        nearest: contract.reference_k(k),
+        nearest,
         contract,
+        course: Course::of(&contract.program),
+        holds: method.holds(),
+        inputs,
         before_tile,
         whole_pools: chosen.is_none(),
         threads,
@@ -129,14 +152,16 @@ fn draw(
     };
     limits::kept(options, &job)?;
     limits::voxels(options, &grid)?;
-    let run = Run { job: &job, config, options, fingerprint: fingerprint(&front, options) };
-    let mut executed = catalogue::visit(contract.name, run)??;
+    let mut executed = execute(instance.as_deref(), &job, k, options)?;
     watch.lap("draw");
-    let (lists, composited) = executed.frame.assemble(&grid);
+    let (kept, composited) = executed.frame.assemble(&grid);
     watch.lap("assemble");
-    let stage = Stage { scene, front: &front, format: job.record.depth, lists: &lists };
     let mut report = account(scene, options, &front, &executed);
-    let Made { image, surfaces, voxels, .. } = effects::make(&options.effect, &stage, &mut report)?;
+    let stage = |lists| Stage { scene, front: &front, format: job.record.depth, lists };
+    let Made { image, surfaces, voxels, .. } = match kept.fragments() {
+        Some(lists) => effects::make(&options.effect, &stage(lists), &mut report)?,
+        None => effects::none(&options.effect, &mut report),
+    };
     let image = image.unwrap_or(composited);
     if options.effect != Effect::Transparency {
         watch.lap("effect");
@@ -149,17 +174,18 @@ fn draw(
     };
     report.threads = threads;
     report.image_hash = image.hash();
-    report.fragments_hash = fragments_hash(lists.width, lists.height, &lists.offsets, &lists.keys);
+    report.fragments_hash = kept_hash(&kept);
     watch.lap("hash");
     report.seconds = watch.seconds();
     let passes = std::mem::take(&mut executed.frame.seconds).into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
-    Ok(Rendering { image, lists, surfaces, voxels, report, schedule, watched })
+    Ok(Rendering { image, kept, surfaces, voxels, report, schedule, watched })
 }
 
 /// What the method must know of the scene, measured only if it must; and the fragments before each tile, and in all.
-fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, Vec<u64>) {
+fn configure(front: &FrontEnd, method: Method, k: Option<u32>) -> (Config, Vec<u64>) {
+    let contract = method.contract();
     let pixels = front.grid.storage_pixels() as u32;
     let mut config = Config { k, pixels, ..Config::default() };
     let mut before_tile = Vec::new();
@@ -176,17 +202,27 @@ fn configure(front: &FrontEnd, contract: &Contract, k: Option<u32>) -> (Config, 
         Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
             config.max_depth_complexity = front.max_depth_complexity();
         }
-        Demand::Bounded => config = budget::Scene::new(front, contract).config(k),
+        Demand::Bounded => config = budget::Scene::new(front, method).config(k),
         _ => {}
     }
     (config, before_tile)
 }
 
-fn record(options: &Options, contract: &Contract) -> Record {
-    Record {
-        depth: options.depth_format.or(contract.depth_format).unwrap_or_default(),
-        data: contract.data.unwrap_or(options.data),
-    }
+/// The words of a method's inputs, and how many of each pixel's nearest fragments it is held to.
+fn held_to(
+    instance: Option<&dyn Instance>,
+    scene: &Scene,
+    options: &Options,
+    grid: &Grid,
+    k: Option<u32>,
+) -> Result<(Inputs, Bound)> {
+    let contract = options.method.contract();
+    let Some(instance) = instance else {
+        return Ok((Inputs::default(), Bound::of(contract.reference_k(k))));
+    };
+    let inputs = inputs::fill(options, instance.layout(), scene, grid)?;
+    let bound = contract.bound(k, instance.layout(), &inputs, grid.storage_pixels() as u32);
+    Ok((inputs, bound))
 }
 
 /// Everything that an interleaving and its result depend on, so that a schedule is not run on something else: the
@@ -204,17 +240,8 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
 
-/// Runs one method, once its type is known.
-struct Run<'a> {
-    job: &'a Job<'a>,
-    config: Config,
-    options: &'a Options,
-    fingerprint: u64,
-}
-
 /// What an executor gave.
 struct Executed {
-    contract: &'static Contract,
     frame: Frame,
     bytes: u64,
     exec: &'static str,
@@ -223,80 +250,56 @@ struct Executed {
     checked: Option<Checked>,
 }
 
-impl Visitor for Run<'_> {
-    type Output = Result<Executed>;
-
-    fn scheme<S: Scheme>(self) -> Result<Executed> {
-        if self.options.counters { self.run::<S, Counters>() } else { self.run::<S, ()>() }
-    }
-
-    /// Counted in any case; what was not asked for is left out.
-    fn fault<S: Scheme>(self) -> Result<Executed> {
-        let counters = self.options.counters;
-        let mut executed = self.run::<S, Counters>()?;
-        if !counters {
-            executed.frame.counters = Counters::default();
-        }
-        Ok(executed)
-    }
-
-    fn exact(self) -> Result<Executed> {
-        let frame = exec::oracle::run(self.job, self.config.k);
-        let bytes = 8 * frame.tally.generated;
-        let (schedule, watched, checked) = (None, None, None);
-        let contract = self.job.contract;
-        Ok(Executed { contract, frame, bytes, exec: "sequential", schedule, watched, checked })
+impl Executed {
+    fn new(frame: Frame, bytes: u64, exec: &'static str) -> Self {
+        Self { frame, bytes, exec, schedule: None, watched: None, checked: None }
     }
 }
 
-impl Run<'_> {
-    fn run<S: Scheme, O: Observer + Default + Send>(&self) -> Result<Executed> {
-        let mut layout = Layout::default();
-        let scheme = S::new(&self.config, &mut layout);
-        limits::storage(self.options, self.job, &layout)?;
-        let (grid, exec) = (&self.job.front.grid, self.options.exec.name());
-        let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
-        let mut executed = Executed {
-            contract: self.job.contract,
-            frame: Frame::default(),
-            bytes,
-            exec,
-            schedule: None,
-            watched: None,
-            checked: None,
-        };
-        executed.frame = match &self.options.exec {
-            Exec::Tile => exec::tile::run::<O>(&scheme, &layout, self.job),
-            Exec::Threads => exec::threads::run::<O>(&scheme, &layout, self.job),
-            Exec::Sim(sim) => {
-                let run = self.simulate::<S, O>(&scheme, &layout, sim)?;
-                (executed.schedule, executed.watched) = (run.schedule, run.watched);
-                executed.checked = run.checked;
-                run.frame
+/// Run the method, which is the oracle if there is no instance of it.
+fn execute(
+    instance: Option<&dyn Instance>,
+    job: &Job<'_>,
+    k: Option<u32>,
+    options: &Options,
+) -> Result<Executed> {
+    let Some(instance) = instance else {
+        let frame = exec::oracle::run(job, k);
+        let bytes = 8 * frame.tally.generated;
+        return Ok(Executed::new(frame, bytes, "sequential"));
+    };
+    let layout = instance.layout();
+    limits::storage(options, job, layout)?;
+    let grid = &job.front.grid;
+    let bytes = layout.bytes(u64::from(grid.width) * u64::from(grid.height));
+    let executed = |frame| Executed::new(frame, bytes, options.exec.name());
+    let counted = options.counters;
+    match &options.exec {
+        Exec::Tile => Ok(executed(exec::tile::run(instance, job, counted))),
+        Exec::Threads => Ok(executed(exec::threads::run(instance, job, counted))),
+        Exec::Sim(sim) => {
+            let settings = settings(sim, job, fingerprint(job.front, options));
+            let mut run = exec::sim::run(instance, job, &settings, GARBAGE)?;
+            if !counted {
+                run.frame.counters = Counters::default();
             }
-        };
-        Ok(executed)
+            let Simulated { frame, schedule, watched, checked } = run;
+            Ok(Executed { schedule, watched, checked, ..executed(frame) })
+        }
     }
+}
 
-    fn simulate<S: Scheme, O: Observer + Default + Send>(
-        &self,
-        scheme: &S,
-        layout: &Layout,
-        sim: &Sim,
-    ) -> Result<Simulated> {
-        let Sim { policy, seed, resident, record, watch, check } = sim.clone();
-        let (fingerprint, grid) = (self.fingerprint, &self.job.front.grid);
-        let inside = watch.filter(|&[x, y]| x < grid.width && y < grid.height);
-        let watch = inside.map(|[x, y]| grid.pixel(x, y));
-        let settings =
-            policy::Settings { policy, seed, resident, record, fingerprint, watch, check };
-        exec::sim::run::<S, O>(scheme, layout, self.job, &settings, GARBAGE)
-    }
+fn settings(sim: &Sim, job: &Job<'_>, fingerprint: u64) -> policy::Settings {
+    let Sim { policy, seed, resident, record, watch, check } = sim.clone();
+    let grid = &job.front.grid;
+    let inside = watch.filter(|&[x, y]| x < grid.width && y < grid.height);
+    let watch = inside.map(|[x, y]| grid.pixel(x, y));
+    policy::Settings { policy, seed, resident, record, fingerprint, watch, check }
 }
 
 /// The report, but for what is known only after assembly.
 fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Executed) -> Report {
-    let (tally, contract) = (&executed.frame.tally, executed.contract);
+    let (tally, contract) = (&executed.frame.tally, options.method.contract());
     let table = executed.frame.table.as_ref().map(TableReport::new);
     // Beyond the largest age: where no cell is empty, for want of room, whatever the largest age.
     let full = table.as_ref().is_some_and(TableReport::is_full);
@@ -319,6 +322,7 @@ fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Execut
         duplicated: tally.duplicated,
         torn: tally.torn,
         kept: tally.kept,
+        merged: tally.merged,
         culled: tally.culled,
         evicted: tally.evicted,
         dropped: dropped.iter().filter(|d| d.1 > 0).map(|d| (d.0.to_owned(), d.1)).collect(),
@@ -330,9 +334,9 @@ fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Execut
         counters: executed.frame.counters.by_name(),
         table,
         checked: executed.checked.as_ref().map(|checked| checked.steps),
-        warnings: [scene.warnings.clone(), hash::idle(options, contract).into_iter().collect()]
+        warnings: [scene.warnings.clone(), table::idle(options, contract).into_iter().collect()]
             .concat(),
-        violations: violations(contract, tally, executed.checked.as_ref()),
+        violations: violations(contract, executed),
         ..Report::default()
     }
 }
@@ -363,9 +367,13 @@ fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
 }
 
 /// What the method promised and did not keep.
-fn violations(contract: &Contract, tally: &Tally, checked: Option<&Checked>) -> Vec<String> {
+fn violations(contract: &Contract, executed: &Executed) -> Vec<String> {
+    let Executed { frame: Frame { tally, outside, .. }, checked, .. } = executed;
     let mut found = Vec::new();
-    if let Some((checked, first)) = checked.and_then(|c| Some((c, c.first.as_ref()?))) {
+    if *outside > 0 {
+        found.push(format!("{outside} accesses outside of the method's words"));
+    }
+    if let Some((checked, first)) = checked.as_ref().and_then(|c| Some((c, c.first.as_ref()?))) {
         found.push(format!("after {} of {} steps: {first}", checked.violations, checked.steps));
     }
     // Who keeps one of every depth loses the others, and says so; so does a published form that loses some.

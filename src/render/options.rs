@@ -1,14 +1,18 @@
 //! What to draw with, and how; and whether it makes sense.
 
+use crate::catalogue;
 use crate::effect::Effect;
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::fragment::Data;
 use crate::num::depth;
-use crate::raster::CullFace;
+use crate::raster::{CullFace, Record};
 use crate::scene::MAX_SIZE;
-use crate::scheme::Contract;
+use crate::scheme::HeldKind;
 
-use super::hash::HashOptions;
+use super::inputs::Given;
+use super::no_lists;
+use super::table::HashOptions;
 
 pub use crate::exec::sim::policy::Kind as Policy;
 pub use crate::resolve::sort::Sort;
@@ -16,8 +20,8 @@ pub use crate::resolve::sort::Sort;
 /// What to draw with, and how. The defaults are the command line's.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// A method's name in the catalogue (`scheme::catalogue`), with `@variant` if any.
-    pub method: String,
+    /// The method.
+    pub method: Method,
     /// Fragments kept per pixel, at least 1; `None` is the method's own default (8 for k-buffers, all for `exact` and
     /// A-buffers).
     pub k: Option<u32>,
@@ -44,6 +48,8 @@ pub struct Options {
     /// Bytes that the method's storage may take: k, or the room for fragments, is the largest that fits. Not together
     /// with `k`, where storage depends on it.
     pub memory_budget: Option<u64>,
+    /// The method's inputs, by name; those that are not given have their defaults.
+    pub inputs: Vec<(String, Given)>,
     /// How hash tables are made.
     pub hash: HashOptions,
     /// How a pixel's fragments are sorted.
@@ -56,7 +62,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            method: "kplus-array".to_owned(),
+            method: catalogue::DEFAULT,
             k: None,
             exec: Exec::Tile,
             threads: 0,
@@ -69,6 +75,7 @@ impl Default for Options {
             shadows: None,
             counters: true,
             memory_budget: None,
+            inputs: Vec::new(),
             hash: HashOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
@@ -146,11 +153,35 @@ pub const MAX_THREADS: usize = 1_024;
 pub const MAX_RESIDENT: usize = 1 << 20;
 
 impl Options {
+    /// The words that the method stores of a fragment: what was asked for, or its own.
+    #[must_use]
+    pub fn record(&self) -> Record {
+        self.method.contract().record(self.depth_format, self.data)
+    }
+
+    /// The same by the oracle, in the words that this method stores: the k nearest fragments of every pixel, or all.
+    #[must_use]
+    pub fn exact(&self, k: Option<u32>) -> Self {
+        let Record { depth, data } = self.record();
+        let depth_format = Some(depth);
+        Self {
+            method: Method::EXACT,
+            k,
+            exec: Exec::Tile,
+            depth_format,
+            data,
+            memory_budget: None,
+            inputs: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// Check every value against its range, and k against the method.
     ///
     /// # Errors
     /// The first that is out of range, by the name of its option.
-    pub fn check(&self, contract: &Contract) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
+        let contract = self.method.contract();
         let wrong = |option: &str, problem: String| Err(Error::new(option, problem));
         match self.k {
             Some(0) => return wrong("-k", "is 0, but a pixel keeps at least 1 fragment".into()),
@@ -182,7 +213,7 @@ impl Options {
                 return wrong("--memory-budget", problem);
             }
         }
-        let format = self.depth_format.or(contract.depth_format).unwrap_or_default();
+        let format = self.record().depth;
         if format.bits() > contract.depth_bits {
             let (name, bits) = (contract.name, contract.depth_bits);
             let problem = format!("is {}, but {name}'s records hold {bits} bits", format.name());
@@ -201,13 +232,20 @@ impl Options {
             let n = sim.resident;
             return wrong("--resident", format!("is {n}, but must be 1 to {MAX_RESIDENT}"));
         }
-        self.check_effect(contract)?;
+        self.check_effect()?;
         self.check_shadows()
     }
 
-    fn check_effect(&self, contract: &Contract) -> Result<()> {
+    fn check_effect(&self) -> Result<()> {
         let name = self.effect.name();
-        let (method, stores) = (contract.name, contract.data);
+        let (method, stores) = (self.method.name(), self.method.contract().data);
+        let holds = self.method.holds();
+        if holds != HeldKind::Fragments && self.effect != Effect::Transparency {
+            return Err(no_lists(method, holds, &format!("--effect {name}")));
+        }
+        if holds != HeldKind::Fragments && self.shadows.is_some() {
+            return Err(no_lists(method, holds, "--shadows"));
+        }
         if self.effect.needs_primitives() && stores.is_some_and(|data| data != Data::Primitive) {
             let problem =
                 format!("{name} must know a fragment's object, but {method} stores no triangle");

@@ -18,7 +18,7 @@ pub struct ShadowReport {
     /// Entries of the map's lists.
     pub kept: u64,
     /// SHA-256 of its resolved lists.
-    pub fragments_hash: String,
+    pub fragments_hash: Option<String>,
 }
 
 /// The accounting of a frame: the fields of `render --json`, by those names.
@@ -91,8 +91,8 @@ pub struct Report {
     pub rounds: u32,
     /// SHA-256 of the picture.
     pub image_hash: String,
-    /// SHA-256 of the resolved lists.
-    pub fragments_hash: String,
+    /// SHA-256 of the resolved lists; `None` where the method gives none.
+    pub fragments_hash: Option<String>,
     /// Memory operations by kind.
     pub counters: BTreeMap<String, u64>,
     /// Seconds by phase.

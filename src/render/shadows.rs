@@ -8,7 +8,6 @@ use crate::error::{Error, Result};
 use crate::fragment::Data;
 use crate::raster::CullFace;
 use crate::scene::{Bounds, Camera, Scene, Shading};
-use crate::scheme::Contract;
 
 /// The opacity of a colour word.
 const OPAQUE: u64 = 0xFF00_0000;
@@ -28,12 +27,7 @@ pub(super) struct Outcome {
 }
 
 /// Draw the shadow map, if `options` ask for shadows.
-pub(super) fn draw(
-    scene: &Scene,
-    options: &Options,
-    contract: &'static Contract,
-    threads: usize,
-) -> Result<Shadow> {
+pub(super) fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Shadow> {
     let Some(asked) = options.shadows else { return Ok(Shadow::default()) };
     if scene.objects.is_empty() {
         let problem = format!(
@@ -46,22 +40,22 @@ pub(super) fn draw(
     let camera = Camera::of_light(Bounds::of(&scene.objects), scene.light.towards);
     camera.check("--shadows")?;
     let bias = asked.bias.unwrap_or_else(|| shadow::default_bias(&camera, size));
-    let drawn = super::draw(&lit(scene, camera, size), &plain(options), contract, threads)?;
+    let drawn = super::draw(&lit(scene, camera, size), &plain(options), threads)?;
     let report = ShadowReport {
         size,
         bias,
         generated: drawn.report.generated,
         kept: drawn.report.kept,
-        fragments_hash: drawn.report.fragments_hash,
+        fragments_hash: drawn.report.fragments_hash.clone(),
     };
-    let (deterministic, violations) = (drawn.report.deterministic, drawn.report.violations);
-    let format = options.depth_format.or(contract.depth_format).unwrap_or_default();
+    let format = options.record().depth;
     let view = Lens::new(&scene.camera, scene.size, format);
     // What is cut away throws no shadow, and what is left is opaque.
-    let lists = match drawn.surfaces {
-        Some(surfaces) => surfaces.cut(|keys| keys.iter_mut().for_each(|key| *key |= OPAQUE)),
-        None => drawn.lists,
+    let lists = match &drawn.surfaces {
+        Some(surfaces) => surfaces.cut(|_, keys| keys.iter_mut().for_each(|key| *key |= OPAQUE)),
+        None => drawn.lists()?.clone(),
     };
+    let (deterministic, violations) = (drawn.report.deterministic, drawn.report.violations);
     let map = ShadowMap::new(view, &camera, format, lists, bias);
     let outcome = Outcome { report, deterministic, violations };
     Ok(Shadow { map: Some(map), outcome: Some(outcome) })

@@ -7,10 +7,49 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 use crate::effect::ldi::Voxels;
-use crate::render::Lists;
+use crate::error::{Error, Result};
+use crate::render::{Kept, Lists};
+use crate::scheme::Record;
 
 /// Bytes gathered before a write.
 const CHUNK: usize = 1 << 16;
+
+/// What is written of a frame's pixels.
+#[derive(Clone, Copy, Debug)]
+pub enum Written<'a> {
+    /// [`write()`].
+    Fragments(&'a Lists),
+    /// [`write_records`].
+    Records(&'a Lists<Record>),
+}
+
+impl<'a> Written<'a> {
+    /// What `kept` has of lists.
+    ///
+    /// # Errors
+    /// It has none.
+    pub fn of(kept: &'a Kept, method: &str) -> Result<Self> {
+        match kept {
+            Kept::Fragments(lists) => Ok(Self::Fragments(lists)),
+            Kept::Records(lists) => Ok(Self::Records(lists)),
+            Kept::Color(_) => {
+                let problem = format!("needs lists, but {method} gives {}", kept.kind().name());
+                Err(Error::new("--fragments", problem))
+            }
+        }
+    }
+
+    /// Write it.
+    ///
+    /// # Errors
+    /// What `out` reports.
+    pub fn write<W: Write + Seek>(self, out: W) -> io::Result<()> {
+        match self {
+            Self::Fragments(lists) => write(out, lists),
+            Self::Records(lists) => write_records(out, lists),
+        }
+    }
+}
 
 /// Write `lists` as `offsets` (u64, pixels + 1), `depth` and `data` (u32, one per fragment), `width` and
 /// `height` (u32 scalars), all little-endian.
@@ -20,8 +59,33 @@ const CHUNK: usize = 1 << 16;
 pub fn write<W: Write + Seek>(out: W, lists: &Lists) -> io::Result<()> {
     let mut archive = Archive { zip: ZipWriter::new(out) };
     archive.array("offsets", &lists.offsets, u64::to_le_bytes)?;
-    archive.array("depth", &lists.keys, |key| ((key >> 32) as u32).to_le_bytes())?;
-    archive.array("data", &lists.keys, |key| (key as u32).to_le_bytes())?;
+    archive.array("depth", &lists.entries, |key| ((key >> 32) as u32).to_le_bytes())?;
+    archive.array("data", &lists.entries, |key| (key as u32).to_le_bytes())?;
+    archive.scalar("width", lists.width)?;
+    archive.scalar("height", lists.height)?;
+    archive.zip.finish()?;
+    Ok(())
+}
+
+/// Write merged records: as [`write()`], with the colour as RGBA8 in `data`; and besides `thickness` (f64, world units),
+/// `rgba` (f64, records x 4, premultiplied) and `weight` (f64, fragments).
+///
+/// # Errors
+/// What `out` reports.
+pub fn write_records<W: Write + Seek>(out: W, lists: &Lists<Record>) -> io::Result<()> {
+    let mut archive = Archive { zip: ZipWriter::new(out) };
+    let records = &lists.entries;
+    archive.array("offsets", &lists.offsets, u64::to_le_bytes)?;
+    archive.array("depth", records, |record| record.depth.to_le_bytes())?;
+    archive.array("data", records, |record| record.color().to_le_bytes())?;
+    archive.reals(
+        "thickness",
+        &format!("({},)", records.len()),
+        records.iter().map(|r| r.thickness),
+    )?;
+    let colors = records.iter().flat_map(|record| record.rgba);
+    archive.reals("rgba", &format!("({}, 4)", records.len()), colors)?;
+    archive.reals("weight", &format!("({},)", records.len()), records.iter().map(|r| r.weight))?;
     archive.scalar("width", lists.width)?;
     archive.scalar("height", lists.height)?;
     archive.zip.finish()?;
@@ -40,7 +104,7 @@ pub fn write_ldi<W: Write + Seek>(
 ) -> io::Result<()> {
     let mut archive = Archive { zip: ZipWriter::new(out) };
     archive.array("offsets", &lists.offsets, u64::to_le_bytes)?;
-    archive.array("depth", &lists.keys, |key| ((key >> 32) as u32).to_le_bytes())?;
+    archive.array("depth", &lists.entries, |key| ((key >> 32) as u32).to_le_bytes())?;
     if let Some(Voxels { width, height, slices, inside }) = voxels {
         archive.start("voxels", inside.len() as u64)?;
         archive.zip.write_all(&header("|b1", &format!("({slices}, {height}, {width})")))?;
@@ -57,11 +121,11 @@ struct Archive<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> Archive<W> {
-    fn array<const N: usize>(
+    fn array<T: Copy, const N: usize>(
         &mut self,
         name: &str,
-        words: &[u64],
-        bytes: impl Fn(u64) -> [u8; N],
+        words: &[T],
+        bytes: impl Fn(T) -> [u8; N],
     ) -> io::Result<()> {
         self.start(name, (words.len() as u64).saturating_mul(N as u64))?;
         self.zip.write_all(&header(&format!("<u{N}"), &format!("({},)", words.len())))?;
@@ -72,6 +136,18 @@ impl<W: Write + Seek> Archive<W> {
             self.zip.write_all(&chunk)?;
         }
         Ok(())
+    }
+
+    fn reals(
+        &mut self,
+        name: &str,
+        shape: &str,
+        values: impl Iterator<Item = f64>,
+    ) -> io::Result<()> {
+        let bytes: Vec<u8> = values.flat_map(f64::to_le_bytes).collect();
+        self.start(name, bytes.len() as u64)?;
+        self.zip.write_all(&header("<f8", shape))?;
+        self.zip.write_all(&bytes)
     }
 
     fn scalar(&mut self, name: &str, value: u32) -> io::Result<()> {
@@ -109,8 +185,8 @@ mod tests {
     use super::*;
 
     fn lists() -> Lists {
-        let keys = vec![0x0102_0304_0506_0708, 0x1112_1314_1516_1718, 0xFFFF_FFFE_0000_00FF];
-        Lists { width: 2, height: 1, offsets: vec![0, 1, 3], keys }
+        let entries = vec![0x0102_0304_0506_0708, 0x1112_1314_1516_1718, 0xFFFF_FFFE_0000_00FF];
+        Lists { width: 2, height: 1, offsets: vec![0, 1, 3], entries }
     }
 
     fn archive(lists: &Lists) -> Vec<u8> {
@@ -152,6 +228,28 @@ mod tests {
     }
 
     #[test]
+    fn records_have_thickness_colour_and_weight_besides() {
+        let record = Record { depth: 7, thickness: 0.5, rgba: [0.25, 0.0, 0.0, 0.5], weight: 2.0 };
+        let lists = Lists { width: 1, height: 1, offsets: vec![0, 1], entries: vec![record] };
+        let kept = Kept::Records(lists);
+        let mut out = Cursor::new(Vec::new());
+        Written::of(&kept, "m").unwrap().write(&mut out).unwrap();
+        let mut zip = zip::ZipArchive::new(out).unwrap();
+        let mut end = |name: &str, length: usize| {
+            let mut bytes = Vec::new();
+            zip.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
+            bytes.split_off(bytes.len() - length)
+        };
+        assert_eq!(end("depth.npy", 4), [7, 0, 0, 0]);
+        assert_eq!(end("data.npy", 4), [128, 0, 0, 128]);
+        assert_eq!(end("thickness.npy", 8), 0.5f64.to_le_bytes());
+        assert_eq!(end("rgba.npy", 32)[..8], 0.25f64.to_le_bytes());
+        assert_eq!(end("weight.npy", 8), 2.0f64.to_le_bytes());
+        let none = Written::of(&Kept::Color(Vec::new()), "m").unwrap_err();
+        assert_eq!(none.place(), "--fragments");
+    }
+
+    #[test]
     fn a_layered_depth_image_has_depths_and_voxels() {
         let voxels = Voxels { width: 2, height: 1, slices: 2, inside: vec![0, 1, 1, 0] };
         let mut out = Cursor::new(Vec::new());
@@ -184,7 +282,7 @@ mod tests {
 
     #[test]
     fn no_fragments_are_empty_arrays() {
-        let empty = Lists { width: 1, height: 1, offsets: vec![0, 0], keys: Vec::new() };
+        let empty = Lists { width: 1, height: 1, offsets: vec![0, 0], entries: Vec::new() };
         let mut zip = zip::ZipArchive::new(Cursor::new(archive(&empty))).unwrap();
         let mut bytes = Vec::new();
         zip.by_name("depth.npy").unwrap().read_to_end(&mut bytes).unwrap();

@@ -108,9 +108,11 @@ fn facts(report: &Report) -> String {
     rows.extend(report.table.as_ref().map(table));
     rows.extend(effect(report));
     rows.extend(report.shadows.as_ref().map(shadows));
-    for (name, hash) in
-        [("image_hash", &report.image_hash), ("fragments_hash", &report.fragments_hash)]
-    {
+    for (name, hash) in [
+        ("image_hash", Some(&report.image_hash)),
+        ("fragments_hash", report.fragments_hash.as_ref()),
+    ] {
+        let Some(hash) = hash else { continue };
         let fixed = report.deterministic.iter().any(|field| field == name);
         let name = if fixed { name.to_owned() } else { format!("{name} *") };
         rows.push([name, hash.clone()]);
@@ -209,7 +211,7 @@ mod tests {
             counters: [("add".into(), 7_000)].into(),
             seconds: [("store".into(), 0.012_34)].into(),
             image_hash: "ab".into(),
-            fragments_hash: "cd".into(),
+            fragments_hash: Some("cd".into()),
             ..Report::default()
         }
     }

@@ -2,6 +2,7 @@
 
 use super::plot::{Curve, Plot};
 use super::{Outcome, Scale};
+use crate::catalogue;
 use crate::error::Result;
 use crate::render::{Data, HashOptions, Options, Report, render};
 use crate::scene::{self, Overrides, Scene};
@@ -24,8 +25,9 @@ struct Point {
 
 /// Draw several times.
 fn measure(scene: &Scene, method: &str, hash: &HashOptions, repeats: u32) -> Result<Point> {
+    let chosen = catalogue::method(method)?;
     let options = |counters| Options {
-        method: method.to_owned(),
+        method: chosen,
         hash: hash.clone(),
         data: Data::Color,
         counters,

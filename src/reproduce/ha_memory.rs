@@ -5,6 +5,7 @@
 //! allows it, and what its form needs besides (locks, counters, blocks of prefix sums), so they are larger.
 
 use super::{Outcome, Scale};
+use crate::catalogue::method;
 use crate::error::Result;
 use crate::raster::Grid;
 use crate::render::storage_bytes;
@@ -92,7 +93,7 @@ pub(super) fn table(_: &Scale) -> Result<Outcome> {
                 let name = technique.name;
                 differences.push(format!("{name}, F = {fragments}: {computed:.3} of {printed}"));
             }
-            let ours = storage_bytes(technique.method, &technique.config(fragments))?;
+            let ours = storage_bytes(method(technique.method)?, &technique.config(fragments));
             rows.push(vec![
                 technique.name.to_owned(),
                 format!("{:.2}", fragments as f64 / 1e6),

@@ -3,8 +3,16 @@
 //! With colour c and opacity a of a linear, straight-alpha RGBA8 word, and transmittance T from 65,535 downwards:
 //! C += (T a c + 32,512) / 65,025, then T = (T (255 - a) + 127) / 255; last the background b: C += (T b + 32,767) /
 //! 65,535. Division truncates, sums saturate at 65,535.
+//!
+//! Merged records are composited by the same rule from their real-valued colours: each product is rounded to the nearest
+//! integer. For a record that is one surface of an RGBA8 colour that is the same integer (65,025 and 255 are odd, so no
+//! product lies half-way between two, and a half is much farther away than f64 errs).
 
 use crate::num::color::srgb;
+use crate::scheme::{Light, Record};
+
+/// All light, in 16 bits.
+const ALL: f64 = 65_535.0;
 
 /// Light gathered along one ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +39,34 @@ impl Ray {
         self.transmittance = (self.transmittance * (255 - alpha as u32) + 127) / 255;
     }
 
+    /// Pass the next merged record.
+    #[inline]
+    pub fn over_record(&mut self, record: &Record) {
+        let [r, g, b, alpha] = record.rgba;
+        let light = f64::from(self.transmittance);
+        for (sum, c) in self.color.iter_mut().zip([r, g, b]) {
+            *sum = sum.saturating_add(whole(light * c)).min(65_535);
+        }
+        self.transmittance = whole(light * (1.0 - alpha));
+    }
+
+    /// What a colour with a transmittance is to the eye.
+    #[inline]
+    #[must_use]
+    pub fn of_light(light: &Light) -> Self {
+        Self {
+            color: light.color.map(|c| whole(c * ALL)),
+            transmittance: whole(light.transmittance * ALL),
+        }
+    }
+
+    /// The colour and transmittance so far.
+    #[must_use]
+    pub fn light(&self) -> Light {
+        let color = self.color.map(|c| f64::from(c) / ALL);
+        Light { color, transmittance: f64::from(self.transmittance) / ALL, kept: 0 }
+    }
+
     /// Meet the background, and encode to an opaque sRGB pixel.
     #[inline]
     #[must_use]
@@ -51,9 +87,52 @@ impl Ray {
     }
 }
 
+/// The nearest integer of 16 bits; of no number, 0.
+#[inline]
+fn whole(x: f64) -> u32 {
+    (x + 0.5).clamp(0.0, ALL + 0.5) as u32
+}
+
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        #[test]
+        fn a_record_of_one_surface_is_that_surface(words in prop::collection::vec(any::<u32>(), 1..9)) {
+            let (mut surfaces, mut records) = (Ray::default(), Ray::default());
+            for word in words {
+                surfaces.over(word);
+                records.over_record(&Record::surface(0, word));
+                prop_assert_eq!(surfaces, records);
+            }
+            prop_assert_eq!(Ray::of_light(&surfaces.light()), surfaces);
+        }
+    }
+
+    /// Every transmittance, with the factors that come nearest to a half.
+    #[test]
+    fn no_transmittance_rounds_otherwise() {
+        for transmittance in 0..=65_535 {
+            for word in
+                [0x0101_0101, 0x8080_8080, 0x7F7F_7F7F, 0xFEFE_FEFE, 0x01FF_FE80, 0xFFFF_FFFF]
+            {
+                let [mut one, mut other] = [Ray { color: [0; 3], transmittance }; 2];
+                one.over(word);
+                other.over_record(&Record::surface(0, word));
+                assert_eq!(one, other, "{transmittance} {word:x}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_colour_is_black_or_white_and_no_panic() {
+        let light = Light { color: [f64::NAN, 2.0, -1.0], transmittance: f64::NAN, kept: 0 };
+        let ray = Ray::of_light(&light);
+        assert_eq!((ray.color, ray.transmittance), ([0, 65_535, 0], 0));
+    }
 
     const WHITE: u16 = 65_535;
 

@@ -1,39 +1,76 @@
-//! The kept fragments of a frame.
+//! What a frame's pixels hold, row by row.
 
-/// The kept fragments of every pixel, front to back.
+use crate::scheme::{HeldKind, Light, Record};
+
+/// The lists of every pixel, front to back: of fragments as keys (depth in the upper half, data word in the lower), or of
+/// merged records.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Lists {
+pub struct Lists<T = u64> {
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Row-major; pixel p's fragments are `keys[offsets[p]..offsets[p + 1]]`.
+    /// Row-major; pixel p's entries are `entries[offsets[p]..offsets[p + 1]]`.
     pub offsets: Vec<u64>,
-    /// Depth in the upper half, data word in the lower.
-    pub keys: Vec<u64>,
+    /// All entries.
+    pub entries: Vec<T>,
 }
 
-impl Lists {
-    /// The keys of pixel (x, y), front to back.
+impl<T> Lists<T> {
+    /// The entries of pixel (x, y), front to back.
     ///
     /// # Panics
     /// If the pixel lies outside.
     #[must_use]
-    pub fn pixel(&self, x: u32, y: u32) -> &[u64] {
+    pub fn pixel(&self, x: u32, y: u32) -> &[T] {
         let p = (y as usize) * (self.width as usize) + x as usize;
-        &self.keys[self.offsets[p] as usize..self.offsets[p + 1] as usize]
+        &self.entries[self.offsets[p] as usize..self.offsets[p + 1] as usize]
+    }
+}
+
+impl<T: Copy> Lists<T> {
+    /// What remains when `keep` has cut every pixel's list; it is told the pixel's number, row by row.
+    #[must_use]
+    pub fn cut(&self, keep: impl Fn(usize, &mut Vec<T>)) -> Self {
+        let (mut offsets, mut entries) = (vec![0], Vec::new());
+        for (pixel, ends) in self.offsets.windows(2).enumerate() {
+            let mut list = self.entries[ends[0] as usize..ends[1] as usize].to_vec();
+            keep(pixel, &mut list);
+            entries.extend(list);
+            offsets.push(entries.len() as u64);
+        }
+        Self { offsets, entries, ..*self }
+    }
+}
+
+/// What the pixels of a frame hold after resolve.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// Lists of fragments.
+    Fragments(Lists),
+    /// Lists of merged records.
+    Records(Lists<Record>),
+    /// A colour for every pixel, row by row, and no lists.
+    Color(Vec<Light>),
+}
+
+impl Kept {
+    /// Which of them.
+    #[must_use]
+    pub fn kind(&self) -> HeldKind {
+        match self {
+            Self::Fragments(_) => HeldKind::Fragments,
+            Self::Records(_) => HeldKind::Records,
+            Self::Color(_) => HeldKind::Color,
+        }
     }
 
-    /// What remains when `keep` has cut every pixel's list.
+    /// The lists of fragments, if that is what they are.
     #[must_use]
-    pub fn cut(&self, keep: impl Fn(&mut Vec<u64>)) -> Self {
-        let (mut offsets, mut keys) = (vec![0], Vec::new());
-        for ends in self.offsets.windows(2) {
-            let mut list = self.keys[ends[0] as usize..ends[1] as usize].to_vec();
-            keep(&mut list);
-            keys.extend(list);
-            offsets.push(keys.len() as u64);
+    pub fn fragments(&self) -> Option<&Lists> {
+        match self {
+            Self::Fragments(lists) => Some(lists),
+            Self::Records(_) | Self::Color(_) => None,
         }
-        Self { offsets, keys, ..*self }
     }
 }

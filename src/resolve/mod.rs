@@ -1,8 +1,8 @@
 //! From a pixel's kept fragments to a list and a colour: shared by all schemes.
 
 pub mod composite;
-pub mod hash;
+pub mod digest;
 pub mod lists;
 pub mod sort;
 
-pub use lists::Lists;
+pub use lists::{Kept, Lists};

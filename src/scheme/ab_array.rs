@@ -11,7 +11,7 @@ use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// How slots are handed out, and up to which.
-pub trait Ticket: Sync {
+pub trait Ticket: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the counter is raised by one atomic operation.
@@ -94,6 +94,8 @@ impl Ticket for OneTooMany {
 
 impl<T: Ticket> Scheme for AbArray<T> {
     const CONTRACT: Contract = T::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let slots = config.k.unwrap_or(config.max_depth_complexity);

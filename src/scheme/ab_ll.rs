@@ -14,7 +14,7 @@ use crate::scheme::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the head is replaced by one atomic operation.
@@ -117,6 +117,8 @@ impl Variant for PlainHead {
 
 impl<V: Variant> Scheme for AbLinkedList<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self { lists: Lists::new(1, config, layout), variant: PhantomData }

@@ -24,7 +24,7 @@ const BUCKETS: u32 = 4;
 const RANGE: Pass = Pass::new("depth range", Kind::Prepare, Barrier::Pixel);
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the far end belongs to the last bucket.
@@ -121,6 +121,8 @@ impl<V: Variant> AbBucketList<V> {
 
 impl<V: Variant> Scheme for AbBucketList<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {

@@ -17,7 +17,7 @@ use crate::scheme::list::{Lists, NONE};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// How the head is replaced.
@@ -86,6 +86,8 @@ impl Variant for RelaxedPublication {
 
 impl<V: Variant> Scheme for AbDoubleList<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let lists = Lists::new(1, config, layout);

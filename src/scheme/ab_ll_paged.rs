@@ -25,7 +25,7 @@ const PAGE: u32 = 4;
 const WORDS: u64 = 1 + 2 * PAGE as u64;
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether slots are taken under the lock.
@@ -117,6 +117,8 @@ impl Variant for NoLock {
 
 impl<V: Variant> Scheme for AbPagedList<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let capacity = config.pages.min(u64::from(NONE));

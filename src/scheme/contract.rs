@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 
+use super::bound::Bound;
 use crate::fragment::{Data, depth_of};
+use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
+use crate::raster::Record;
 
 /// What a method promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -230,6 +233,31 @@ pub enum Keeps {
     Visible,
     /// Fewer than every fragment, by a fault of what was published: what is missing is counted as lost, and is no violation.
     Some,
+    /// The k smallest in canonical order, with a k for each pixel: the words of the input of that name.
+    NearestBy(&'static str),
+    /// Records that stand for several fragments each: what [`super::Scheme::expected`] says.
+    Merged,
+    /// Another answer than the exact one: what [`super::Scheme::expected`] says, if it says. Whether it may depend on
+    /// arrival is a matter of the contract's other fields, as ever.
+    Approximate(Limit),
+}
+
+impl Keeps {
+    /// It is another answer than the exact one.
+    #[must_use]
+    pub const fn is_approximate(self) -> bool {
+        matches!(self, Self::Approximate(_))
+    }
+}
+
+/// Where an approximation is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Limit {
+    /// Nowhere in general.
+    Nowhere,
+    /// Where k is at least the number of a pixel's fragments: its picture is then the exact one.
+    EnoughK,
 }
 
 /// What a method must know of the scene before its memory is allocated.
@@ -298,8 +326,29 @@ impl Contract {
     pub fn reference_k(&self, k: Option<u32>) -> Option<u32> {
         match self.keeps {
             Keeps::All | Keeps::FirstArrivals | Keeps::Visible | Keeps::Some => None,
-            Keeps::Nearest | Keeps::Layers => k.or(self.default_k),
+            Keeps::Merged | Keeps::Approximate(_) => None,
+            Keeps::Nearest | Keeps::NearestBy(_) | Keeps::Layers => k.or(self.default_k),
             Keeps::One => Some(1),
+        }
+    }
+
+    /// How many of each pixel's nearest fragments it is held to, with the given k and inputs, for so many storage pixels.
+    #[must_use]
+    pub fn bound(&self, k: Option<u32>, layout: &Layout, inputs: &Inputs, pixels: u32) -> Bound {
+        let Keeps::NearestBy(name) = self.keeps else { return Bound::of(self.reference_k(k)) };
+        match layout.inputs().iter().position(|input| input.name == name) {
+            Some(input) => Bound::PerPixel((0..pixels).map(|p| inputs.word(input, p)).collect()),
+            None => Bound::All,
+        }
+    }
+
+    /// The words that it stores of a fragment, where `depth` and `data` are asked for: its own, where it has room for no
+    /// others.
+    #[must_use]
+    pub fn record(&self, depth: Option<Format>, data: Data) -> Record {
+        Record {
+            depth: depth.or(self.depth_format).unwrap_or_default(),
+            data: self.data.unwrap_or(data),
         }
     }
 

@@ -21,7 +21,7 @@ use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 const NONE: u64 = key(EMPTY, u32::MAX);
 
 /// The correct form, another, or a fault.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the fragments of a layer are counted, and emitted in the round after.
@@ -126,6 +126,8 @@ impl Variant for BehindNearPlane {
 
 impl<V: Variant> Scheme for DepthPeel<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {

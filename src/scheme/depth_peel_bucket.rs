@@ -51,6 +51,8 @@ impl Scheme for BucketPeel {
         ..Contract::BASE_ALL
     };
 
+    type Holds = Keys;
+
     fn new(_: &Config, layout: &mut Layout) -> Self {
         let ends = Ends::new(layout, u64::from(BUCKETS));
         Self { near: layout.pixel(1), far: layout.pixel(1), ends }

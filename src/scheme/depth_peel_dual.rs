@@ -13,7 +13,7 @@ use crate::scheme::ends::Ends;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the layer in the middle counts once.
@@ -65,6 +65,8 @@ impl Variant for MiddleTwice {
 
 impl<V: Variant> Scheme for DualPeel<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
         Self { ends: Ends::new(layout, 1), variant: PhantomData }

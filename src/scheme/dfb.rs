@@ -43,6 +43,8 @@ impl Scheme for DynamicFragmentBuffer {
         ..Contract::BASE_ALL
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
             counter: layout.pixel(1),

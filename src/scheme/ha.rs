@@ -44,7 +44,7 @@ pub(super) const PROGRAM: Program = Program {
 };
 
 /// What a cell holds: age, reversed depth and, if there is room, data; from the upper bits to the lower. 0 is empty.
-pub trait Record: Sync {
+pub trait Record: Send + Sync + 'static {
     /// A cell.
     type Word: Word;
     /// The bit at which the age begins.
@@ -119,7 +119,7 @@ impl Record for Bits32 {
 }
 
 /// A form of the method, or a fault in it.
-pub trait Variant<R>: Sync {
+pub trait Variant<R>: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether a record that is already there is kept a second time.
@@ -277,6 +277,8 @@ impl<R: Record, V: Variant<R>> HaBuffer<R, V> {
 
 impl<R: Record, V: Variant<R>> Scheme for HaBuffer<R, V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let table =

@@ -27,7 +27,7 @@ use crate::scheme::visible::{CLEAR, behind};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
 /// A form of the method.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether a fragment is counted only if it is strictly nearer and was not counted before.
@@ -137,6 +137,8 @@ impl<V: Variant> HaCull<V> {
 
 impl<V: Variant> Scheme for HaCull<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let opaque = config.hash.opaque.into();

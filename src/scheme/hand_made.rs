@@ -1,13 +1,12 @@
 //! Memory made by hand: words of one pixel as a test sets them, for looking at invariants.
 
 use super::{Config, Moment, Scheme};
-use crate::memory::asked::Cells;
-use crate::memory::{At, Kind, Layout, Snapshot, Space, Word};
+use crate::memory::{Address, At, Kind, Layout, Numbering, Snapshot, Space, Word};
 
 /// A scheme, and words that nobody wrote unless they were set.
 pub(super) struct HandMade<S> {
     pub(super) scheme: S,
-    cells: Cells,
+    numbering: Numbering,
     values: Vec<Option<u64>>,
 }
 
@@ -19,17 +18,18 @@ impl<S: Scheme> HandMade<S> {
     pub(super) fn of(config: &Config) -> Self {
         let mut layout = Layout::default();
         let scheme = S::new(config, &mut layout);
-        let cells = Cells::new(&layout, 1);
-        Self { scheme, values: vec![None; cells.count() as usize], cells }
+        let numbering = Numbering::new(&layout, 1);
+        Self { scheme, values: vec![None; numbering.count() as usize], numbering }
     }
 
     pub(super) fn set<P: Space, K: Kind, W: Word>(&mut self, at: At<P, K, W>, value: W) {
-        self.values[self.cells.number(at) as usize] = Some(value.to_u64());
+        self.values[self.numbering.number(at.address()) as usize] = Some(value.to_u64());
     }
 
     pub(super) fn check(&self, moment: Moment) -> Result<(), String> {
-        let value = |cell: u32| self.values.get(cell as usize).copied().flatten();
-        let words = Snapshot { cells: &self.cells, value: &value };
-        self.scheme.invariant(&words, 0, moment)
+        let value = |address: Address| {
+            self.values.get(self.numbering.number(address) as usize).copied().flatten()
+        };
+        self.scheme.invariant(&Snapshot { value: &value }, 0, moment)
     }
 }

@@ -22,7 +22,7 @@ use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Sc
 pub const KEY_BITS: u32 = 24;
 
 /// A form of the method.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether an evicted key takes its data with it.
@@ -97,6 +97,8 @@ const fn key(record: u64) -> u32 {
 
 impl<V: Variant> Scheme for HashCoherent<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {

@@ -63,6 +63,8 @@ impl Scheme for KBuffer {
         ..Contract::BASE
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
         Self { k, depth: layout.pixel(u64::from(k)), data: layout.pixel(u64::from(k)) }

@@ -15,13 +15,13 @@ use crate::scheme::s_buffer::{self, SBuffer};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme, select};
 
 /// An A-buffer that k is selected from.
-pub trait Base: Scheme {
+pub trait Base: Scheme<Holds = Keys> {
     /// The contract of the k-buffer made of it.
     const SELECTED: Contract;
 }
 
 /// What resolve keeps of an A-buffer.
-pub trait Choice<A>: Sync {
+pub trait Choice<A>: Send + Sync + 'static {
     /// The contract that comes of it.
     const CONTRACT: Contract;
     /// Keep k of a pixel's keys.
@@ -123,6 +123,8 @@ impl Base for SBuffer<s_buffer::Correct> {
 
 impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     const CONTRACT: Contract = C::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let all = Config { k: None, bounded: config.generated, ..*config };

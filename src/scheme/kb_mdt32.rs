@@ -17,7 +17,7 @@ use crate::scheme::contract::{Barrier, Form, Kind, Pass, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The published form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
 
@@ -89,6 +89,8 @@ impl Variant for TwoFormulas {
 
 impl<V: Variant> Scheme for KbMdt32<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

@@ -12,7 +12,7 @@ use crate::num::depth::FARTHEST;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether an entry is lowered by one atomic operation.
@@ -79,6 +79,8 @@ impl Variant for ClearedToFarPlane {
 
 impl<V: Variant> Scheme for KbMdt64<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

@@ -34,7 +34,7 @@ fn nearer(entries: &mut [u64], key: u64) -> usize {
 }
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether anybody asks for what is missing.
@@ -101,6 +101,8 @@ impl Variant for Unverified {
 
 impl<V: Variant> Scheme for KBufferMulti<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

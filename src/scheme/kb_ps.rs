@@ -13,7 +13,7 @@ use crate::scheme::interlock::Interlock;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether a fragment stays inside until its entries are written.
@@ -71,6 +71,8 @@ impl Variant for LeavesEarly {
 
 impl<V: Variant> Scheme for KbPixelSync<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

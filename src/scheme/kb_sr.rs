@@ -52,6 +52,8 @@ impl Scheme for KbStencilRouted {
         ..Contract::BASE
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let samples = config.k.unwrap_or(config.max_depth_complexity).min(MAX_SAMPLES);
         let count = u64::from(samples);

@@ -26,6 +26,8 @@ impl Scheme for KPlus {
         ..<KPlusHeap<kplus_heap::Correct> as Scheme>::CONTRACT
     };
 
+    type Holds = Keys;
+
     fn new(config: &Config, layout: &mut Layout) -> Self {
         if config.k.unwrap_or(8) <= ARRAY_UP_TO {
             Self::Array(Scheme::new(config, layout))

@@ -30,7 +30,7 @@ use crate::scheme::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, or a fault in it: each constant is as it must be unless a fault says otherwise.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// How the lock is taken.
@@ -139,6 +139,8 @@ impl Variant for Correct {
 
 impl<V: Variant> Scheme for KPlusArray<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

@@ -15,7 +15,7 @@ use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// How the lock is taken and released.
-pub trait Locking: Sync {
+pub trait Locking: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// How it is taken.
@@ -91,6 +91,8 @@ impl Locking for OrderedUnlock {
 
 impl<L: Locking> Scheme for KPlusArrayPublished<L> {
     const CONTRACT: Contract = L::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

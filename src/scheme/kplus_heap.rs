@@ -17,7 +17,7 @@ use crate::scheme::slots::{OfPixel, Slots, entry};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme, max_heap};
 
 /// The correct form, the published one, or a fault.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// How the lock is taken.
@@ -160,6 +160,8 @@ impl Variant for EqualDepthStops {
 
 impl<V: Variant> Scheme for KPlusHeap<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

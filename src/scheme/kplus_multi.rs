@@ -21,7 +21,7 @@ use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 const DONE: u64 = u64::MAX;
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether what is identical to the farthest and found no room is emitted in the next round.
@@ -84,6 +84,8 @@ impl Variant for Cut {
 
 impl<V: Variant> Scheme for KPlusMulti<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);

@@ -27,7 +27,7 @@ use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme, max_array, 
 pub const ARRAY_UP_TO: u32 = 16;
 
 /// The correct form, or another.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the count is bounded by compare-exchange, and goes up to k + 1.
@@ -101,6 +101,8 @@ impl Variant for Heap {
 
 impl<V: Variant> Scheme for KPlusSb<V> {
     const CONTRACT: Contract = Contract { source: include_str!("kplus_sb.rs"), ..V::CONTRACT };
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {

@@ -3,11 +3,11 @@
 //! A scheme is invocations on memory. It declares its words ([`Layout`]), and then says what one invocation of each
 //! pass does: [`Scheme::clear`] and [`Scheme::resolve`] once per pixel, [`Scheme::store`] once per fragment. Between
 //! passes stands a barrier; within a pass, invocations run in any order and at the same time. What a scheme promises
-//! is its [`Contract`], which the tests, the commands and the docs read. Adding a scheme is one file and one line in
-//! [`catalogue`].
+//! is its [`Contract`], which the tests, the commands and the docs read. Adding a scheme is one file, and one line in
+//! the catalogue.
 //!
 //! A frame is a clear pass, then one or more *rounds*. A round is the contract's [`contract::Program`]: passes over
-//! fragments, pixels or the frame's words, the last of which is the store pass; and resolve. Most methods have the
+//! fragments, pixels or the frame's words, the last of which is the store pass; and resolve ([`course`]). Most methods have the
 //! store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks for it
 //! in [`Scheme::again`], as an application does that reads an occlusion query.
 
@@ -16,8 +16,9 @@ pub mod ab_ll;
 pub mod ab_ll_bucket;
 pub mod ab_ll_double;
 pub mod ab_ll_paged;
-pub mod catalogue;
+pub mod bound;
 pub mod contract;
+pub mod course;
 pub mod depth_peel;
 pub mod depth_peel_bucket;
 pub mod depth_peel_dual;
@@ -30,6 +31,7 @@ pub mod ha_cull;
 mod hand_made;
 pub mod hash;
 pub mod hash_coherent;
+pub mod held;
 pub mod interlock;
 pub mod kb;
 pub mod kb_ab;
@@ -49,7 +51,6 @@ pub mod list;
 pub mod lock;
 pub mod max_array;
 pub mod max_heap;
-pub mod mutation;
 pub mod ranges;
 pub mod s_buffer;
 pub mod select;
@@ -60,11 +61,11 @@ pub mod z_buffer;
 
 use std::future::Future;
 
-pub use catalogue::contracts;
 pub use contract::{Contract, Form, Keeps};
+pub use held::{Held, HeldKind, Holds, Keys, Light, Record, Records};
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Layout, Memory, Snapshot, Words};
+use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};
 use crate::raster::Grid;
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
@@ -107,6 +108,9 @@ pub enum Outcome {
     /// Not stored: beyond the largest age of a hash table, or the table is full. Who is not stored may be another than
     /// the invocation's own fragment, also of another pixel.
     Age,
+    /// It went into another record, or into its pixel's colour. (7 is what a device says of an invocation that gave up
+    /// waiting.)
+    Merged = 8,
 }
 
 /// Words of the frame that the application reads back after the frame: a hash table's cells.
@@ -138,13 +142,13 @@ pub enum Moment {
     Quiet,
 }
 
-/// The k nearest, or all, as they come out of memory: keys in any order.
-pub type Keys = Vec<u64>;
-
 /// A multi-fragment method.
-pub trait Scheme: Sync + Sized {
+pub trait Scheme: Send + Sync + Sized + 'static {
     /// What it promises.
     const CONTRACT: Contract;
+
+    /// What a pixel holds after resolve: [`Keys`], [`Records`] or [`Light`].
+    type Holds: Holds;
 
     /// Declare the words and keep their addresses.
     fn new(config: &Config, layout: &mut Layout) -> Self;
@@ -212,8 +216,21 @@ pub trait Scheme: Sync + Sized {
         None
     }
 
-    /// Resolve pass, one invocation per pixel: append the pixel's fragments to `keys`, in any order.
-    fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) -> impl Future<Output = ()>;
+    /// What a pixel must hold, given all its fragments in canonical order: a reference that is right by reading, with no
+    /// invocations in it. `None` where the contract says all: the exact fragments, or the nearest of them. Whoever merges
+    /// or approximates is held to this one, wherever its result may not depend on arrival.
+    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Self::Holds> {
+        let _ = (inputs, pixel, generated);
+        None
+    }
+
+    /// Resolve pass, one invocation per pixel: add what the pixel holds to `held`, lists in any order.
+    fn resolve<M: Memory>(
+        &self,
+        mem: &M,
+        pixel: u32,
+        held: &mut Self::Holds,
+    ) -> impl Future<Output = ()>;
 
     /// At the end of a pixel's resolve, where the program repeats: whether it needs another round.
     fn again<M: Memory>(&self, mem: &M, pixel: u32) -> impl Future<Output = bool> {

@@ -13,7 +13,7 @@ use crate::scheme::ranges::{self, Ranges};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// Whether the counting pass adds by one atomic operation.
@@ -110,6 +110,8 @@ impl Variant for OneTooMany {
 
 impl<V: Variant> Scheme for SBuffer<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {

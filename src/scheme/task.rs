@@ -1,7 +1,8 @@
 //! What one invocation does, as data: for those who run invocations of several passes at once, or of methods whose
 //! type they do not know.
 
-use super::{Keys, Outcome, Scheme};
+use super::held::Holds;
+use super::{Held, Outcome, Scheme};
 use crate::fragment::Fragment;
 use crate::memory::Memory;
 
@@ -33,8 +34,8 @@ pub enum Ended {
     Done,
     /// What became of the fragment, as far as its invocation knows.
     Stored(Outcome),
-    /// A pixel's fragments, as they came out of memory, and whether it needs another round.
-    Resolved(u32, Keys, bool),
+    /// What a pixel holds, as it came out of memory, and whether it needs another round.
+    Resolved(u32, Held, bool),
 }
 
 /// Run an invocation.
@@ -48,10 +49,10 @@ pub async fn invoke<S: Scheme, M: Memory>(scheme: &S, mem: &M, task: Task) -> En
         Task::Frame(pass, index) => scheme.frame(mem, usize::from(pass), index).await,
         Task::Store(fragment) => return Ended::Stored(scheme.store(mem, fragment).await),
         Task::Resolve(pixel) => {
-            let mut keys = Keys::new();
-            scheme.resolve(mem, pixel, &mut keys).await;
+            let mut held = S::Holds::default();
+            scheme.resolve(mem, pixel, &mut held).await;
             let again = S::CONTRACT.program.repeats && scheme.again(mem, pixel).await;
-            return Ended::Resolved(pixel, keys, again);
+            return Ended::Resolved(pixel, held.into_held(), again);
         }
     }
     Ended::Done

@@ -10,7 +10,7 @@ use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
-pub trait Variant: Sync {
+pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
     /// What the clear pass writes; every fragment that counts is nearer.
@@ -95,6 +95,8 @@ impl Variant for LoadStore {
 
 impl<V: Variant> Scheme for ZBuffer<V> {
     const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
         Self { nearest: layout.pixel(1), variant: PhantomData }

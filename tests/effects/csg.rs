@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3};
 use proptest::prelude::*;
 
 use super::support::model;
-use super::support::{draw, options, scene};
+use super::support::{draw, lists, method, options, scene};
 use super::{effect, runs, srgb, toml};
 
 /// An expression as a test writes it.
@@ -134,7 +134,7 @@ fn render(scene: &Scene, text: &str) -> Rendering {
 
 /// The number of pixels whose surfaces, front to back, are not the expected set's boundaries.
 fn differing(scene: &Scene, tree: &Tree, surfaces: &Lists) -> usize {
-    let exact = draw(scene, &Options { data: Data::Primitive, ..options("exact", None) }).lists;
+    let exact = lists(scene, &Options { data: Data::Primitive, ..options("exact", None) });
     let (names, of) = objects(scene);
     let pixels = (0..exact.height).flat_map(|y| (0..exact.width).map(move |x| (x, y)));
     let differs = |&(x, y): &(u32, u32)| {
@@ -153,8 +153,8 @@ fn agrees(scene: &Scene, tree: &Tree) {
     let surfaces = drawn.surfaces.as_ref().expect("surfaces");
     assert_eq!(differing(scene, tree, surfaces), 0, "{}", tree.text(&names));
     assert!(drawn.report.open_pixels.is_empty(), "{:?}", drawn.report.warnings);
-    let colors = draw(scene, &options("exact", None)).lists;
-    let exact = draw(scene, &Options { data: Data::Primitive, ..options("exact", None) }).lists;
+    let colors = lists(scene, &options("exact", None));
+    let exact = lists(scene, &Options { data: Data::Primitive, ..options("exact", None) });
     let background = scene.background.map(|c| srgb((f64::from(c) * 65_535.0).round() as u64));
     let mut seen = 0;
     for (x, y) in (0..exact.height).flat_map(|y| (0..exact.width).map(move |x| (x, y))) {
@@ -244,7 +244,8 @@ fn every_method_and_executor_gives_the_same() {
     for (method, exec) in runs() {
         // At most 12 fragments are on a pixel; k-buffers keep that many.
         let k = (method == "kplus-array").then_some(16);
-        let drawn = draw(&scene, &Options { method: method.to_owned(), exec, k, ..effect.clone() });
+        let drawn =
+            draw(&scene, &Options { method: self::method(method), exec, k, ..effect.clone() });
         assert_eq!(drawn.surfaces, first.surfaces, "{method}");
         assert_eq!(drawn.image, first.image, "{method}");
         assert!(drawn.report.warnings.is_empty(), "{method}: {:?}", drawn.report.warnings);
@@ -267,8 +268,8 @@ fn wrong_walkers_are_seen() {
 
     let expression = Expression::parse("a - b").expect("right");
     let (_, of) = objects(&scene);
-    let exact = draw(&scene, &Options { data: Data::Primitive, ..options("exact", None) }).lists;
-    let one_by_one = exact.cut(|keys| {
+    let exact = lists(&scene, &Options { data: Data::Primitive, ..options("exact", None) });
+    let one_by_one = exact.cut(|_, keys| {
         let mut inside = 0;
         keys.retain(|&key| {
             let before = expression.evaluate(inside);

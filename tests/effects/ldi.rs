@@ -15,7 +15,7 @@ fn is_closed(scene: &Scene) {
     let drawn = draw(scene, &effect("ab-ll", LDI));
     assert!(drawn.report.generated > 2_000, "{}", scene.name);
     assert!(
-        drawn.lists.offsets.windows(2).all(|ends| (ends[1] - ends[0]) % 2 == 0),
+        drawn.lists().expect("lists").offsets.windows(2).all(|ends| (ends[1] - ends[0]) % 2 == 0),
         "{}",
         scene.name
     );
@@ -66,7 +66,7 @@ fn voxels_of_a_box() {
     for (method, exec) in runs() {
         let options = Options { exec, ..effect(method, Effect::Ldi { voxels: Some(8) }) };
         let drawn = draw(&scene, &options);
-        let voxels = drawn.voxels.expect("asked for");
+        let voxels = drawn.voxels.as_ref().expect("asked for");
         assert_eq!((voxels.width, voxels.height, voxels.slices), (16, 16, 8));
         assert_eq!(drawn.report.solid_voxels, Some(8 * 8 * 4), "{method}");
         for (i, &inside) in voxels.inside.iter().enumerate() {
@@ -85,7 +85,7 @@ fn voxels_follow_the_parity_rule() {
         let cubes = scene("cubes", [40, 32]);
         let effect = Effect::Ldi { voxels: Some(21) };
         let drawn = draw(&cubes, &Options { effect, ..options });
-        let voxels = drawn.voxels.expect("asked for");
+        let voxels = drawn.voxels.as_ref().expect("asked for");
         assert!(voxels.solid() > 500);
         for (i, &inside) in voxels.inside.iter().enumerate() {
             let [x, y, slice] = [i % 40, i / 40 % 32, i / 1_280];
@@ -94,7 +94,7 @@ fn voxels_follow_the_parity_rule() {
                 Format::D32 => 42 * word < (2 * slice as u64 + 1) * u64::from(u32::MAX),
                 _ => format.decode(word as u32) < (slice as f64 + 0.5) / 21.0,
             };
-            let keys = drawn.lists.pixel(x as u32, y as u32);
+            let keys = drawn.lists().expect("lists").pixel(x as u32, y as u32);
             let count = keys.iter().filter(|&&key| before(key >> 32)).count();
             assert_eq!(usize::from(inside), count % 2, "{x} {y} {slice}");
         }

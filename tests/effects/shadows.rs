@@ -5,7 +5,7 @@ use fragloom::render::{CullFace, Data, Effect, Options, Shadows};
 use fragloom::scene::{Scene, Shading};
 use glam::DVec3;
 
-use super::support::{draw, options, scene};
+use super::support::{draw, lists, method, options, scene};
 use super::{runs, toml};
 
 const WHITE: [f64; 3] = [0.8, 0.8, 0.8];
@@ -75,7 +75,7 @@ fn shadowed(towards: [f64; 3], pane: &Pane, x: f64, z: f64) -> Option<bool> {
 #[track_caller]
 fn check(towards: [f64; 3], panes: &[&Pane], options: &Options) -> Vec<usize> {
     let scene = floor(towards, panes);
-    let lists = draw(&scene, options).lists;
+    let lists = lists(&scene, options);
     let mut found = vec![0; panes.len() + 1];
     for (x, y) in (0..48).flat_map(|y| (0..48).map(move |x| (x, y))) {
         let [px, pz] = [x, y].map(|p| (f64::from(p) + 0.5) / 6.0 - 4.0);
@@ -135,13 +135,17 @@ fn every_method_and_executor_draws_the_same_picture() {
     for (method, exec) in runs() {
         for data in [Data::Color, Data::Primitive] {
             let options =
-                Options { method: method.to_owned(), exec: exec.clone(), data, ..shadows() };
+                Options { method: self::method(method), exec: exec.clone(), data, ..shadows() };
             let drawn = draw(&scene, &options);
             assert_eq!(drawn.image, first.image, "{method} {data:?}");
             let [map, expected] = [&drawn, &first].map(|drawn| drawn.report.shadows.clone());
             assert_eq!(map.expect("a map"), expected.expect("a map"), "{method}");
             if data == Data::Color {
-                assert_eq!(drawn.lists, first.lists, "{method}");
+                assert_eq!(
+                    *drawn.lists().expect("lists"),
+                    *first.lists().expect("lists"),
+                    "{method}"
+                );
             }
         }
     }
@@ -156,13 +160,13 @@ fn light_that_is_not_attenuated_is_the_same_light() {
             let mut convex = scene(source, [48, 40]);
             convex.materials[0].shading = shading;
             let plain = Options { cull_face: CullFace::Back, ..options("ab-ll", None) };
-            let without = draw(&convex, &plain).lists;
+            let without = lists(&convex, &plain);
             // A bias as large as the object leaves nothing in front.
             let far = Some(Shadows { size: None, bias: Some(1e3) });
-            let with = draw(&convex, &Options { shadows: far, ..plain.clone() }).lists;
+            let with = lists(&convex, &Options { shadows: far, ..plain.clone() });
             assert_eq!(without, with, "{source} {shading:?}");
             let near = Some(Shadows { size: None, bias: Some(0.0) });
-            let attenuated = draw(&convex, &Options { shadows: near, ..plain }).lists;
+            let attenuated = lists(&convex, &Options { shadows: near, ..plain });
             assert_eq!(attenuated == without, shading == Shading::Flat, "{source} {shading:?}");
         }
     }
@@ -174,11 +178,11 @@ fn surfaces_do_not_shadow_themselves() {
     let mut ball = scene("sphere:sides=64", [64, 64]);
     ball.light.towards = (ball.camera.eye - ball.camera.target).normalize();
     let plain = Options { cull_face: CullFace::Back, ..options("ab-ll", None) };
-    let without = draw(&ball, &plain).lists;
-    let with = draw(&ball, &Options { shadows: Some(Shadows::default()), ..plain }).lists;
-    let apart = without.keys.iter().zip(&with.keys).filter(|(a, b)| a != b).count();
+    let without = lists(&ball, &plain);
+    let with = lists(&ball, &Options { shadows: Some(Shadows::default()), ..plain });
+    let apart = without.entries.iter().zip(&with.entries).filter(|(a, b)| a != b).count();
     // The outer tenth of the radius is met at more than 64 degrees.
-    assert!(apart * 10 < without.keys.len(), "{apart} of {}", without.keys.len());
+    assert!(apart * 10 < without.entries.len(), "{apart} of {}", without.entries.len());
 }
 
 /// A box over the floor throws a shadow, unless another box cuts it away.

@@ -12,12 +12,11 @@ use fragloom::gpu::open::{Opened, devices};
 use fragloom::gpu::program::{Program, Shape, constants};
 use fragloom::gpu::raster::{Raster, Triangles};
 use fragloom::gpu::resolve::resolve;
-use fragloom::gpu::source::{TWINS, Twin, twin};
+use fragloom::gpu::source::{self, Twin, twins};
 use fragloom::gpu::stress::{self, stress};
 use fragloom::scene::Scene;
-use fragloom::scheme::catalogue::contract;
 
-use super::support::{scene, small_scenes};
+use super::support::{contract, method, scene, small_scenes};
 
 /// Drivers on CPUs take all cores: one test at a time.
 static TURN: Mutex<()> = Mutex::new(());
@@ -40,7 +39,7 @@ fn all(test: &str) -> Vec<Opened> {
 fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Row> {
     let picture = Picture::new(scene, opened.bits());
     let options = opened.paths(options);
-    crosscheck::run(&opened.device, scene, &picture, opened.bits(), &options).expect("methods")
+    crosscheck::run(&opened.device, scene, &picture, opened.bits(), &options)
 }
 
 #[test]
@@ -51,7 +50,7 @@ fn devices_compute_what_the_simulator_computes() {
         for scene in small_scenes() {
             for row in crosscheck(&opened, &scene, &Options::default()) {
                 assert!(!row.is_finding, "{row:?}");
-                let contract = contract(&row.method).expect("a method");
+                let contract = contract(&row.method);
                 if contract.order_independent() && row.status != Status::Unsupported {
                     assert_eq!(row.status, Status::Equal, "{row:?}");
                     compared += row.differences.fragments;
@@ -133,8 +132,14 @@ fn pictures_are_cut_to_fit() {
     }
 }
 
+/// The twin of a method that has one.
+fn twin(method: &str) -> Twin {
+    source::twin(self::method(method)).expect("a twin")
+}
+
 fn methods(names: &[&'static str]) -> Options {
-    Options { methods: names.to_vec(), ..Options::default() }
+    let twins = names.iter().map(|name| twin(name)).collect();
+    Options { twins, ..Options::default() }
 }
 
 /// With as many slots as fragments nobody is dropped; with fewer, the contract allows any of them, and no others.
@@ -171,7 +176,7 @@ fn a_race_is_counted_and_is_no_finding() {
 /// Of equal depths, `kb-mdt32` may keep either; other depths are a finding.
 #[test]
 fn ties_may_be_confused_and_nothing_else() {
-    let contract = contract("kb-mdt32").expect("a method");
+    let contract = contract("kb-mdt32");
     let lists = |keys: &[u64]| Lists { starts: vec![0, keys.len() as u32], keys: keys.to_vec() };
     let key = |depth: u64, data: u64| depth << 32 | data;
     let expected = Expected {
@@ -214,25 +219,24 @@ fn who_gives_up_waiting_is_run_again() {
         ] {
             let scene = scene(&format!("layers:count={count}"), [size, size]);
             let picture = Picture::new(&scene, opened.bits());
-            let contract = contract("kplus-array").expect("a method");
+            let method = method("kplus-array");
+            let contract = method.contract();
             let record = crosscheck::record(contract);
             let band = picture.whole();
-            let shape = Shape::new(contract.name, band.config(contract, None)).expect("a method");
+            let shape = Shape::new(method, band.config(contract, None)).expect("a method");
             let constants = constants(&shape, record, picture.background);
             let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
-            program.clear().expect("cleared");
             let triangles = Triangles::new(&band, record);
             let raster = Raster::new(&program, &band, &triangles).expect("triangles");
             let drawn = program.run(|function| raster.draw(function)).map(|()| program.again());
             assert_eq!(drawn, right);
             if right.is_ok() {
-                let expected = band.expected(contract, record, None);
+                let expected = band.expected(method, record, None);
                 let starts = &expected.kept.starts;
                 let got = resolve(&program, &picture.palette, starts).expect("resolved");
                 assert!(compare(contract, None, &expected, &got).is_equal());
             }
             if count == 3 {
-                program.clear().expect("cleared");
                 let before = program.again();
                 let fragments = band.stream(record, Some(1));
                 let run = program.run(|function| program.compute(function, &fragments));
@@ -247,7 +251,7 @@ fn who_gives_up_waiting_is_run_again() {
 fn twins_do_what_schemes_do() {
     let _turn = turn();
     for opened in all("conformance") {
-        for twin in TWINS {
+        for twin in twins() {
             let extent = conform::Extent { fragments: 3, programs: 8 };
             let found = conform(&opened.device, twin, extent).expect("a device");
             assert_eq!(found.difference, None, "{found:?}");
@@ -259,11 +263,11 @@ fn twins_do_what_schemes_do() {
 }
 
 /// A twin with one change.
-fn mutant(method: &'static str, from: &str, to: &str) -> &'static Twin {
-    let twin = twin(method).expect("a twin");
+fn mutant(method: &str, from: &str, to: &str) -> Twin {
+    let twin = twin(method);
     let text = twin.text.replace(from, to);
     assert_ne!(text, twin.text, "{method}: {from}");
-    Box::leak(Box::new(Twin { method, text: text.leak() }))
+    Twin { text: text.leak(), ..twin }
 }
 
 #[test]
@@ -283,7 +287,7 @@ fn conformance_finds_changed_twins() {
             let extent = conform::Extent { fragments: 3, programs: 12 };
             let found = conform(&opened.device, mutant, extent).expect("a device");
             // One that sums the same group twice sums the only one there is.
-            let equivalent = mutant.method == "s-buffer";
+            let equivalent = mutant.method.name() == "s-buffer";
             assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
         }
     }
@@ -296,7 +300,7 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
     for opened in all("litmus pixels") {
         for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32"] {
             let extent = stress::Extent { fragments: 3, repeats: 1 };
-            let twin = twin(method).expect("a twin");
+            let twin = twin(method);
             let found = stress(&opened.device, twin, extent).expect("a device");
             assert_eq!((found.outside, found.unexplored), (0, 0), "{found:?}");
             assert!(found.relaxed == 0 || method == "kb", "{found:?}");
@@ -316,17 +320,17 @@ fn a_flipped_bit_is_seen() {
     let scene = scene("cubes", [48, 40]);
     for opened in all("the negative control") {
         let picture = Picture::new(&scene, opened.bits());
-        let contract = contract("ab-ll").expect("a method");
+        let method = method("ab-ll");
+        let contract = method.contract();
         let record = crosscheck::record(contract);
         let band = picture.whole();
-        let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
+        let shape = Shape::new(method, band.config(contract, None)).expect("a method");
         let constants = constants(&shape, record, picture.background);
-        let twin = twin("ab-ll").expect("a twin");
+        let twin = twin("ab-ll");
         let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
         let fragments = band.stream(record, Some(1));
-        program.clear().expect("cleared");
         program.run(|function| program.compute(function, &fragments)).expect("stored");
-        let expected = band.expected(contract, record, None);
+        let expected = band.expected(method, record, None);
         let got = resolve(&program, &picture.palette, &expected.kept.starts).expect("resolved");
         assert!(compare(contract, None, &expected, &got).is_equal());
         let middle = got.keys.len() / 2;
@@ -369,7 +373,7 @@ fn a_finer_grid_than_the_device_has_is_seen() {
         let fine = Picture::new(&scene, 8);
         let options = Options { paths: vec![Path::Raster], ..methods(&["ab-ll"]) };
         let rows = crosscheck::run(&opened.device, &scene, &fine, 8, &options);
-        let row = rows.expect("a method").remove(0);
+        let row = rows.first().expect("a row");
         assert_eq!(row.status, Status::Different, "{row:?}");
         assert!(row.is_finding && row.differences.coverage_differences > 0, "{row:?}");
     }
@@ -383,7 +387,8 @@ fn a_hang_is_survived() {
     let slow =
         "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
     let twin = mutant("ab-ll", "let node", slow);
-    let contract = contract("ab-ll").expect("a method");
+    let method = method("ab-ll");
+    let contract = method.contract();
     let record = crosscheck::record(contract);
     let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
     let band = picture.whole();
@@ -393,7 +398,7 @@ fn a_hang_is_survived() {
         let mut device = Device::open(&adapter).expect("a device");
         device.patience = 1;
         swiftshader |= device.name.name.contains("SwiftShader");
-        let shape = Shape::new("ab-ll", band.config(contract, None)).expect("a method");
+        let shape = Shape::new(method, band.config(contract, None)).expect("a method");
         let constants = constants(&shape, record, [0; 3]);
         let program = Program::new(&device, twin, shape, constants).expect("a program");
         match program.compute("store", &fragments[..1]) {

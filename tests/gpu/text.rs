@@ -1,15 +1,17 @@
 //! What can be known of twins without a driver.
 
+use fragloom::exec::Method;
 use fragloom::fragment::Data;
 use fragloom::gpu::program::{Shape, constants};
-use fragloom::gpu::source::{Path, TWINS, Twin, twin};
+use fragloom::gpu::source::{self, Path, Twin, twins};
 use fragloom::num::depth::Format;
 use fragloom::raster::{Grid, Record};
 use fragloom::scheme::Config;
-use fragloom::scheme::catalogue::contract;
 use fragloom::scheme::contract::Kind;
 use fragloom::scheme::hash::Settings;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::support::method;
 
 /// Configurations of different character: few and many fragments, small and large k.
 fn configs() -> Vec<Config> {
@@ -32,7 +34,12 @@ fn configs() -> Vec<Config> {
     ]
 }
 
-fn modules(twin: &Twin) -> Vec<(Shape, String)> {
+/// The twin of a method that has one.
+fn twin(method: &str) -> Twin {
+    source::twin(self::method(method)).expect("a twin")
+}
+
+fn modules(twin: Twin) -> Vec<(Shape, String)> {
     let mut modules = Vec::new();
     for config in configs() {
         let shape = Shape::new(twin.method, config).expect("a method");
@@ -53,16 +60,16 @@ fn modules(twin: &Twin) -> Vec<(Shape, String)> {
     modules
 }
 
-fn parse(method: &str, text: &str) -> naga::Module {
+fn parse(Twin { method, .. }: Twin, text: &str) -> naga::Module {
     naga::front::wgsl::parse_str(text)
         .unwrap_or_else(|error| panic!("{method}: {}", error.emit_to_string(text)))
 }
 
 #[test]
 fn naga_validates_every_twin() {
-    for twin in TWINS {
+    for twin in twins() {
         for (_, text) in modules(twin) {
-            let module = parse(twin.method, &text);
+            let module = parse(twin, &text);
             let mut needs = Capabilities::empty();
             if twin.needs_atomics64() {
                 needs = Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
@@ -78,9 +85,9 @@ fn naga_validates_every_twin() {
 /// frame's up to an array whose length is the buffer's.
 #[test]
 fn words_are_where_the_simulator_has_them() {
-    for twin in TWINS {
+    for twin in twins() {
         for (shape, text) in modules(twin) {
-            let module = parse(twin.method, &text);
+            let module = parse(twin, &text);
             let (pixel, frame) = (shape.layout.per_pixel(), shape.layout.per_frame());
             let sizes =
                 [4 * pixel.words32, 8 * pixel.words64, 4 * frame.words32, 8 * frame.words64];
@@ -137,8 +144,8 @@ fn size_of_element(module: &naga::Module, binding: u32) -> Option<(u64, bool)> {
 
 #[test]
 fn twins_define_the_passes_of_their_programs() {
-    for twin in TWINS {
-        let contract = contract(twin.method).expect("a method");
+    for twin in twins() {
+        let contract = twin.method.contract();
         let has = |kind| contract.program.passes.iter().any(|pass| pass.kind == kind);
         for (function, needed) in [
             ("prepare", has(Kind::Prepare)),
@@ -156,28 +163,28 @@ fn twins_define_the_passes_of_their_programs() {
 
 #[test]
 fn contracts_say_how_wgsl_expresses_what_has_a_twin() {
-    for twin in TWINS {
-        let contract = contract(twin.method).expect("a method");
+    for twin in twins() {
+        let contract = twin.method.contract();
         assert!(contract.wgsl.is_some(), "{}", twin.method);
-        let publishes = twin.method == "kb-ll";
+        let publishes = twin.method.name() == "kb-ll";
         assert_eq!(contract.is_within_wgsl(), !(twin.locks() || publishes), "{}", twin.method);
     }
-    assert!(twin("exact").is_none());
+    assert!(source::twin(Method::EXACT).is_none());
 }
 
 #[test]
 fn a_file_is_included_once_and_unknown_ones_are_refused() {
-    let (_, text) = modules(twin("kplus-sb").expect("a twin")).remove(0);
+    let (_, text) = modules(twin("kplus-sb")).remove(0);
     assert_eq!(text.matches("struct Fragment {").count(), 1);
     assert!(!text.contains("//# include"));
-    let wrong = Twin { method: "ab-ll", text: "//# include shared/nothing\n" };
+    let wrong = Twin { text: "//# include shared/nothing\n", ..twin("ab-ll") };
     let error = wrong.module(&Default::default(), Path::Compute).expect_err("no such file");
     assert!(error.to_string().contains("shared/nothing"), "{error}");
 }
 
 #[test]
 fn a_faulty_text_is_not_valid() {
-    let (_, text) = modules(twin("ab-ll").expect("a twin")).remove(0);
+    let (_, text) = modules(twin("ab-ll")).remove(0);
     let wrong = text.replace("atomicAdd(&nodes.taken, 1u)", "atomicAdd(&nodes.taken, 1.0)");
     assert_ne!(text, wrong);
     let valid = naga::front::wgsl::parse_str(&wrong).is_ok_and(|module| {

@@ -11,7 +11,7 @@ use std::future::{Future, ready};
 
 use fragloom::memory::layout::Sizes;
 use fragloom::memory::{
-    Access, At, Atomic, Kind, Layout, Mark, Memory, Order, Space, Update, Word,
+    Access, At, Atomic, InputAt, Kind, Layout, Mark, Memory, Order, Space, Update, Word,
 };
 use loom::sync::atomic::{AtomicU64, Ordering};
 
@@ -139,6 +139,10 @@ impl Memory for Loom<'_> {
             Update::Max(v) => cell.fetch_max(v.to_u64(), ordering),
         };
         ready(W::from_u64(old))
+    }
+
+    fn input(&self, _: InputAt) -> u32 {
+        unreachable!("no model here has inputs")
     }
 
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {

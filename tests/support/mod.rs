@@ -3,8 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use fragloom::render::{Exec, Options, Policy, Rendering, Sim, render};
+use fragloom::catalogue;
+use fragloom::exec::Method;
+use fragloom::render::{Exec, Lists, Options, Policy, Rendering, Sim, render};
 use fragloom::scene::{self, Overrides, Scene};
+use fragloom::scheme::Contract;
 
 /// A built-in or bundled scene at a size.
 pub(crate) fn scene(source: &str, size: [u32; 2]) -> Scene {
@@ -24,14 +27,30 @@ pub(crate) fn model(name: &str, size: [u32; 2]) -> Option<Scene> {
     Some(scene(path.to_str().expect("a path in UTF-8"), size))
 }
 
+/// A built-in method.
+pub(crate) fn method(name: &str) -> Method {
+    catalogue::method(name).expect("a built-in method")
+}
+
+/// What it promises.
+pub(crate) fn contract(name: &str) -> &'static Contract {
+    method(name).contract()
+}
+
 /// Options for a method.
 pub(crate) fn options(method: &str, k: Option<u32>) -> Options {
-    Options { method: method.to_owned(), k, threads: 2, ..Options::default() }
+    Options { method: self::method(method), k, threads: 2, ..Options::default() }
 }
 
 /// Draw, which must succeed.
 pub(crate) fn draw(scene: &Scene, options: &Options) -> Rendering {
     render(scene, options).unwrap_or_else(|e| panic!("{}: {e}", options.method))
+}
+
+/// What pixels hold after a draw, of a method that keeps lists of fragments.
+pub(crate) fn lists(scene: &Scene, options: &Options) -> Lists {
+    let drawn = draw(scene, options);
+    drawn.lists().unwrap_or_else(|e| panic!("{}: {e}", options.method)).clone()
 }
 
 /// The simulated device with a policy; few resident invocations, so that small scenes overlap in many ways.

@@ -26,6 +26,8 @@ impl Scheme for Unreached {
         ..Contract::BASE
     };
 
+    type Holds = Keys;
+
     fn new(_: &Config, layout: &mut Layout) -> Self {
         Self { nearest: layout.pixel(1) }
     }

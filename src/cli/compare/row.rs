@@ -33,7 +33,7 @@ pub(super) struct Row {
     /// Against the reference with all fragments.
     pub(super) from_all: Difference,
     pub(super) image_hash: String,
-    pub(super) fragments_hash: String,
+    pub(super) fragments_hash: Option<String>,
     pub(super) warnings: Vec<String>,
     pub(super) violations: Vec<String>,
 }

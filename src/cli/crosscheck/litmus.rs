@@ -4,7 +4,7 @@ use super::{Args, devices, status};
 use crate::cli::{Verdict, say, wait};
 use crate::error::{Error, Result};
 use crate::gpu::conform::{self, Conformance};
-use crate::gpu::crosscheck::{self, Options};
+use crate::gpu::crosscheck::Options;
 use crate::gpu::device::AdapterName;
 use crate::gpu::failure::Failure;
 use crate::gpu::stress::{self, Stressed};
@@ -32,8 +32,8 @@ pub(super) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     let mut failures = Vec::new();
     for opened in &devices {
         let device = &opened.device;
-        for method in &options.methods {
-            let twin = crosscheck::find(method)?;
+        for &twin in &options.twins {
+            let method = twin.method;
             let message = format!("litmus pixels of {method} on {}", device.name.name);
             let both = wait::during(args.output.quiet, &message, || {
                 let conformance = conform::conform(device, twin, conform::Extent::default())?;

@@ -71,15 +71,15 @@ pub(super) fn draw(stage: &Stage<'_>, expression: &Expression) -> Result<Made> {
         made.open(name, open, "odd parity");
     }
     let (width, height) = (stage.lists.width, stage.lists.height);
-    let mut surfaces = Lists { width, height, offsets: vec![0], keys: Vec::new() };
+    let mut surfaces = Lists { width, height, offsets: vec![0], entries: Vec::new() };
     let mut colors = Vec::with_capacity(surfaces.offsets.capacity());
     for row in rows {
-        let mut end = surfaces.keys.len() as u64;
+        let mut end = surfaces.entries.len() as u64;
         surfaces.offsets.extend(row.counts.iter().map(|count| {
             end += count;
             end
         }));
-        surfaces.keys.extend(row.keys);
+        surfaces.entries.extend(row.keys);
         colors.extend(row.colors);
     }
     made.picture(stage, colors);

@@ -1,9 +1,9 @@
 //! A debug switch of the simulated device: after every step of a store pass, what a method says of its words.
 
-use crate::memory::asked::Cells;
+use crate::exec::Instance;
 use crate::memory::sim::{Change, Sim};
-use crate::memory::{Growing, Layout, Observer, Snapshot};
-use crate::scheme::{Moment, Scheme};
+use crate::memory::{Address, Counters, Growing, Snapshot};
+use crate::scheme::Moment;
 
 /// What was looked at, and what was wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,18 +18,15 @@ pub struct Checked {
 
 /// Looks at every change of the frame's words: those that must grow do, and the invariant holds of the pixel that the
 /// changed word belongs to.
-pub(super) struct Checker<'a, S, O> {
-    scheme: &'a S,
-    mem: &'a Sim<O>,
-    layout: &'a Layout,
-    cells: Cells,
+pub(super) struct Checker<'a> {
+    instance: &'a dyn Instance,
+    mem: &'a Sim<Counters>,
     checked: Checked,
 }
 
-impl<'a, S: Scheme, O: Observer> Checker<'a, S, O> {
-    pub(super) fn new(scheme: &'a S, mem: &'a Sim<O>, layout: &'a Layout, pixels: u32) -> Self {
-        let cells = Cells::new(layout, pixels);
-        Self { scheme, mem, layout, cells, checked: Checked::default() }
+impl<'a> Checker<'a> {
+    pub(super) fn new(instance: &'a dyn Instance, mem: &'a Sim<Counters>) -> Self {
+        Self { instance, mem, checked: Checked::default() }
     }
 
     /// A store pass begins.
@@ -50,13 +47,13 @@ impl<'a, S: Scheme, O: Observer> Checker<'a, S, O> {
     fn look(&self, change: Change) -> Result<(), String> {
         let Change { bits, word, old, new } = change;
         let grows = |g: &Growing| g.bits == bits && g.words.contains(&word);
-        if new < old && self.layout.growing().iter().any(grows) {
+        if new < old && self.instance.layout().growing().iter().any(grows) {
             return Err(format!("a word that only grows fell from {old:x} to {new:x}"));
         }
-        let Some(pixel) = self.scheme.owner(bits, word, new) else { return Ok(()) };
-        let value = |cell: u32| self.mem.value(&self.cells, cell);
-        let words = Snapshot { cells: &self.cells, value: &value };
-        self.scheme.invariant(&words, pixel, Moment::Always)
+        let Some(pixel) = self.instance.owner(bits, word, new) else { return Ok(()) };
+        let value = |address: Address| self.mem.value(address);
+        let words = Snapshot { value: &value };
+        self.instance.invariant(&words, pixel, Moment::Always)
     }
 }
 
@@ -66,7 +63,7 @@ pub(super) trait Check {
     fn step(&mut self);
 }
 
-impl<S: Scheme, O: Observer> Check for Checker<'_, S, O> {
+impl Check for Checker<'_> {
     fn step(&mut self) {
         let Some(change) = self.mem.take_change() else { return };
         self.checked.steps += 1;

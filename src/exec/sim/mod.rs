@@ -8,30 +8,31 @@
 //! Passes are queues of work; a barrier between two of them means that the second begins when the first has drained.
 
 mod checker;
-mod device;
-mod pass;
-mod passes;
 pub mod policy;
 pub mod schedule;
+mod slots;
+mod stages;
 mod submission;
+mod turns;
 mod watch;
 
-use super::Job;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame};
+use super::interpret::Interpreted;
 use super::table::Table;
+use super::{Instance, Job};
 use crate::error::Result;
+use crate::memory::Counters;
 use crate::memory::sim::Sim as Memory;
-use crate::memory::{Layout, Observer};
-use crate::scheme::Scheme;
 use checker::Checker;
-use device::Device;
-use passes::Passes;
 use policy::Settings;
+use stages::Stages;
+use turns::Turns;
 use watch::Recording;
 
 pub use checker::Checked;
+pub use turns::{Stepped, Stores};
 pub use watch::Watched;
 
 /// What a run on the simulated device gives.
@@ -47,44 +48,49 @@ pub struct Simulated {
     pub checked: Option<Checked>,
 }
 
-/// Run a scheme. `pattern` fills memory beforehand: only clear passes make it fit for use.
+/// Run a scheme; its operations are always counted. `pattern` fills memory beforehand: only clear passes make it fit for
+/// use.
 ///
 /// # Errors
 /// A recorded schedule that belongs to another run, or a schedule under which nothing ends any more.
-pub fn run<S: Scheme, O: Observer + Default>(
-    scheme: &S,
-    layout: &Layout,
+pub fn run(
+    instance: &dyn Instance,
     job: &Job<'_>,
     settings: &Settings,
     pattern: u64,
 ) -> Result<Simulated> {
     let grid = &job.front.grid;
-    let mem = Memory::new(layout, grid.storage_pixels(), pattern, O::default());
-    let mut device = Device::new(scheme, &mem, settings)?;
+    let (layout, inputs) = (instance.layout(), job.inputs.clone());
+    let mem = Memory::new(layout, grid.storage_pixels(), inputs, pattern, Counters::default());
+    let interpreted = Interpreted { instance, inputs: &job.inputs };
+    let scheme = match instance.compiled() {
+        Some(compiled) => compiled.stepped(),
+        None => &interpreted,
+    };
+    let mut turns = Turns::new(settings)?;
     let mut watch = Stopwatch::start();
-    let mut passes = Passes::new(job);
+    let invocations = |pass| instance.invocations(pass);
+    let mut stages = Stages::new(job, &mem, scheme, &invocations);
     let mut recording = settings.watch.map(Recording::new);
-    let pixels = grid.storage_pixels() as u32;
-    let mut checker = settings.check.then(|| Checker::new(scheme, &mem, layout, pixels));
-    passes.run(scheme, &mut device, recording.as_mut(), checker.as_mut(), &mut watch)?;
-    let schedule = device.finish()?;
+    let mut checker = settings.check.then(|| Checker::new(instance, &mem));
+    let rounds = stages.run(&mut turns, recording.as_mut(), checker.as_mut(), &mut watch)?;
+    let schedule = turns.finish()?;
     let per_tile = grid.pixels_per_tile();
-    let Passes { generated, gone, reports, mut lists, rounds, .. } = passes;
-    let tiles = lists.chunks_mut(per_tile).enumerate().map(|(tile, lists)| {
+    let Stages { generated, gone, reports, mut held, .. } = stages;
+    let tiles = held.chunks_mut(per_tile).enumerate().map(|(tile, held)| {
         let mut finisher = Finisher::new(job, tile);
-        for (i, keys) in lists.iter_mut().enumerate() {
+        for (i, held) in held.iter_mut().enumerate() {
             let pixel = tile * per_tile + i;
-            finisher.pixel(keys, generated[pixel], gone[pixel]);
+            finisher.pixel(held, generated[pixel], gone[pixel]);
         }
         finisher.finish(&Tally::default())
     });
     let tiles = tiles.collect();
     watch.lap("resolve");
-    let counters = mem.observer().counters().cloned().unwrap_or_default();
-    let frame = Frame::new(job, tiles, &reports, counters);
-    let table = scheme.readback().map(|readback| Table::new(&readback, &mem));
+    let frame = Frame::new(job, tiles, &reports, mem.observer().clone());
+    let table = instance.readback().map(|readback| Table::new(&readback, &mem));
     Ok(Simulated {
-        frame: Frame { rounds, table, seconds: watch.seconds(), ..frame },
+        frame: Frame { rounds, table, outside: mem.outside(), seconds: watch.seconds(), ..frame },
         schedule,
         watched: recording.map(Recording::finish),
         checked: checker.map(Checker::finish),

@@ -1,6 +1,6 @@
 //! Watching a pixel: its fragments, and the part of the schedule that is their own.
 
-use super::pass::Watcher;
+use super::slots::Watcher;
 use crate::fragment::Fragment;
 use crate::scheme::task::Task;
 

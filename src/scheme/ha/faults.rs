@@ -1,5 +1,5 @@
 //! Faults that can be built into the HA-buffer. Each is one change of the correct form; the numbers are those of
-//! [`crate::scheme::mutation`].
+//! [`crate::catalogue::faults`].
 
 use super::{Bits64, CLEAR, CONTRACT, Contract, PROGRAM, Variant};
 use crate::scheme::contract::{Barrier, Pass, Program};

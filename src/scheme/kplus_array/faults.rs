@@ -1,5 +1,5 @@
 //! Faults that can be built into the max-array. Each is one change of the correct form; the numbers are those of
-//! [`crate::scheme::mutation`].
+//! [`crate::catalogue::faults`].
 
 use super::{CONTRACT, Contract, Patience, Unlock, Variant};
 use crate::memory::{Access, Order};

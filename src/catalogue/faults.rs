@@ -188,10 +188,11 @@ pub const MUTATIONS: &[Mutation] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme::{Contract, Form, contracts};
+    use crate::catalogue::Catalogue;
+    use crate::scheme::{Contract, Form};
 
     fn faulty() -> Vec<&'static Contract> {
-        contracts().into_iter().filter(|c| c.form == Form::Mutation).collect()
+        Catalogue::built_in().contracts().filter(|c| c.form == Form::Mutation).collect()
     }
 
     #[test]

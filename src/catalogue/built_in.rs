@@ -1,83 +1,44 @@
-//! The catalogue: every method by name, one line each.
+//! The built-in methods, one line each.
 
-use super::ab_array::{self, AbArray, AtomicAdd};
-use super::ab_ll::{self, AbLinkedList};
-use super::ab_ll_bucket::{self, AbBucketList};
-use super::ab_ll_double::{self, AbDoubleList};
-use super::ab_ll_paged::{self, AbPagedList};
-use super::contract::Contract;
-use super::depth_peel::{self, DepthPeel};
-use super::depth_peel_bucket::BucketPeel;
-use super::depth_peel_dual::{self, DualPeel};
-use super::dfb::DynamicFragmentBuffer;
-use super::ha::{self, Bits32, Bits64, HaBuffer};
-use super::ha_cull::{self, HaCull};
-use super::hash_coherent::{self, HashCoherent};
-use super::kb::KBuffer;
-use super::kb_ab::{self, KbAb};
-use super::kb_ll::{self, KNearestList};
-use super::kb_mdt32::{self, KbMdt32};
-use super::kb_mdt64::{self, KbMdt64};
-use super::kb_multi::{self, KBufferMulti};
-use super::kb_ps::{self, KbPixelSync};
-use super::kb_sr::KbStencilRouted;
-use super::kplus::KPlus;
-use super::kplus_array::{Correct, KPlusArray, faults};
-use super::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
-use super::kplus_heap::{self, KPlusHeap};
-use super::kplus_multi::{self, KPlusMulti};
-use super::kplus_sb::{self, KPlusSb};
-use super::s_buffer::{self, SBuffer};
-use super::z_buffer::{self, ZBuffer};
-use super::{Scheme, exact};
-use crate::error::{Error, Result};
-
-/// Something to do with a method once its type is known.
-pub trait Visitor {
-    /// What comes of it.
-    type Output;
-
-    /// With a scheme.
-    fn scheme<S: Scheme + Send + 'static>(self) -> Self::Output;
-
-    /// With a built-in fault: a scheme too, but one that nobody hurries, so that a visitor may spare the compiler some
-    /// of its forms.
-    fn fault<S: Scheme + Send + 'static>(self) -> Self::Output
-    where
-        Self: Sized,
-    {
-        self.scheme::<S>()
-    }
-
-    /// With the oracle, which is not a scheme.
-    fn exact(self) -> Self::Output;
-}
+use crate::exec::Method;
+use crate::scheme::ab_array::{self, AbArray, AtomicAdd};
+use crate::scheme::ab_ll::{self, AbLinkedList};
+use crate::scheme::ab_ll_bucket::{self, AbBucketList};
+use crate::scheme::ab_ll_double::{self, AbDoubleList};
+use crate::scheme::ab_ll_paged::{self, AbPagedList};
+use crate::scheme::depth_peel::{self, DepthPeel};
+use crate::scheme::depth_peel_bucket::BucketPeel;
+use crate::scheme::depth_peel_dual::{self, DualPeel};
+use crate::scheme::dfb::DynamicFragmentBuffer;
+use crate::scheme::ha::{self, Bits32, Bits64, HaBuffer};
+use crate::scheme::ha_cull::{self, HaCull};
+use crate::scheme::hash_coherent::{self, HashCoherent};
+use crate::scheme::kb::KBuffer;
+use crate::scheme::kb_ab::{self, KbAb};
+use crate::scheme::kb_ll::{self, KNearestList};
+use crate::scheme::kb_mdt32::{self, KbMdt32};
+use crate::scheme::kb_mdt64::{self, KbMdt64};
+use crate::scheme::kb_multi::{self, KBufferMulti};
+use crate::scheme::kb_ps::{self, KbPixelSync};
+use crate::scheme::kb_sr::KbStencilRouted;
+use crate::scheme::kplus::KPlus;
+use crate::scheme::kplus_array::{Correct, KPlusArray, faults};
+use crate::scheme::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use crate::scheme::kplus_heap::{self, KPlusHeap};
+use crate::scheme::kplus_multi::{self, KPlusMulti};
+use crate::scheme::kplus_sb::{self, KPlusSb};
+use crate::scheme::s_buffer::{self, SBuffer};
+use crate::scheme::z_buffer::{self, ZBuffer};
 
 macro_rules! catalogue {
     (methods { $($scheme:ty,)* } faults { $($fault:ty,)* }) => {
-        /// Every method's contract; the oracle comes first.
-        pub const CONTRACTS: &[Contract] = &[
-            exact::CONTRACT,
-            $(<$scheme as Scheme>::CONTRACT,)*
-            $(<$fault as Scheme>::CONTRACT,)*
+        /// All of them: the oracle first, then what promises something, compiled for every executor; then built-in
+        /// faults, compiled once.
+        pub(super) const METHODS: &[Method] = &[
+            Method::EXACT,
+            $(Method::of::<$scheme>(),)*
+            $(Method::interpreted::<$fault>(),)*
         ];
-
-        /// Visit the method of that name.
-        ///
-        /// # Errors
-        /// There is none; the message lists those there are.
-        pub fn visit<V: Visitor>(name: &str, visitor: V) -> Result<V::Output> {
-            if name == exact::CONTRACT.name {
-                return Ok(visitor.exact());
-            }
-            $(if name == <$scheme as Scheme>::CONTRACT.name {
-                return Ok(visitor.scheme::<$scheme>());
-            })*
-            $(if name == <$fault as Scheme>::CONTRACT.name {
-                return Ok(visitor.fault::<$fault>());
-            })*
-            Err(unknown(name))
-        }
     };
 }
 
@@ -187,21 +148,5 @@ catalogue! {
     }
 }
 
-/// Every method's contract; the oracle comes first.
-#[must_use]
-pub fn contracts() -> Vec<&'static Contract> {
-    CONTRACTS.iter().collect()
-}
-
-/// The contract of the method of that name.
-///
-/// # Errors
-/// There is none; the message lists those there are.
-pub fn contract(name: &str) -> Result<&'static Contract> {
-    CONTRACTS.iter().find(|c| c.name == name).ok_or_else(|| unknown(name))
-}
-
-fn unknown(name: &str) -> Error {
-    let names: Vec<&str> = CONTRACTS.iter().map(|c| c.name).collect();
-    Error::new("--method", format!("no method is called '{name}'; there are {}", names.join(", ")))
-}
+/// See [`super::DEFAULT`].
+pub(super) const DEFAULT: Method = Method::of::<KPlusArray<Correct>>();

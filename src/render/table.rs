@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Options;
 use crate::error::{Error, Result};
 use crate::exec::table::Table;
-use crate::resolve::hash::table_hash;
+use crate::resolve::digest::table_hash;
 use crate::scheme::Contract;
 use crate::scheme::hash::{DEFAULT_LOAD, MOST_AGES, MOST_CELLS, Offsets, Settings, size_for_load};
 

@@ -1,4 +1,4 @@
-//! One pass: slots, invocations and steps.
+//! Slots, invocations and steps: one pass.
 //!
 //! What a step costs is mostly waiting: for the branch that depends on where the invocation stands, which no processor
 //! foresees under a random schedule, and for the cache. So the loop is kept short, everything it needs next is asked
@@ -21,7 +21,7 @@ use crate::memory::sim::Sim;
 const PATIENCE: u64 = 200_000_000;
 
 /// The invocations of a pass: those that wait for a slot, and those in slots.
-pub(super) struct Pass<'a, O, W, F, Q, I, D> {
+pub(super) struct Slots<'a, O, W, F, Q, I, D> {
     mem: &'a Sim<O>,
     policy: &'a mut Any,
     /// Work for invocations, in the order of their admission.
@@ -53,7 +53,7 @@ pub(super) trait Watcher<W> {
     fn steps(&mut self, slot: u32);
 }
 
-impl<'a, O, W, F, Q, I, D> Pass<'a, O, W, F, Q, I, D>
+impl<'a, O, W, F, Q, I, D> Slots<'a, O, W, F, Q, I, D>
 where
     O: Observer,
     F: Future,

@@ -4,9 +4,15 @@
 //! (one record per pixel, or one block for the frame), kind (atomic or plain) and width. All 32-bit words of a pixel
 //! form one record, so that a fragment touches neighbouring cache lines; 64-bit words form a second one.
 
+pub mod address;
+pub mod inputs;
+
 use std::marker::PhantomData;
 
 use super::word::Word;
+
+pub use address::{Address, Numbering, Snapshot};
+pub use inputs::{Declared, Input, InputAt, Inputs, Per};
 
 /// Words that belong to a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +85,12 @@ impl<S, K, W> Clone for Words<S, K, W> {
 impl<S, K, W> Copy for Words<S, K, W> {}
 
 impl<S, K, W> At<S, K, W> {
+    /// A word by its place: what only memories do that have no type for it.
+    #[inline(always)]
+    pub(super) fn new(pixel: u32, word: u64) -> Self {
+        Self { pixel, word, typed: PhantomData }
+    }
+
     /// The same word of another pixel.
     #[inline(always)]
     pub(super) fn on(self, pixel: u32) -> Self {
@@ -167,7 +179,9 @@ pub struct Layout {
     global: Sizes,
     locks: Vec<u64>,
     interlocks: u64,
+    pools: Vec<u64>,
     growing: Vec<Growing>,
+    inputs: Vec<Declared>,
 }
 
 /// Words of the frame that never become smaller while fragments are stored.
@@ -192,7 +206,28 @@ impl Layout {
 
     /// Declare a pool from which every fragment takes at most one index.
     pub fn pool(&mut self) -> Pool {
-        Pool(self.global(1))
+        let pool = Pool(self.global(1));
+        self.pools.push(pool.0.first);
+        pool
+    }
+
+    /// The pool whose counter is this 32-bit word of the frame.
+    #[must_use]
+    pub fn pool_at(&self, word: u64) -> Option<Pool> {
+        let words = Words { first: word, count: 1, typed: PhantomData };
+        self.pools.contains(&word).then_some(Pool(words))
+    }
+
+    /// Declare words that the application fills before the frame, and that no invocation writes.
+    pub fn input(&mut self, declared: Declared) -> Input {
+        self.inputs.push(declared);
+        Input { table: self.inputs.len() as u32 - 1 }
+    }
+
+    /// The inputs, in the order of their declaration.
+    #[must_use]
+    pub fn inputs(&self) -> &[Declared] {
+        &self.inputs
     }
 
     /// Declare a lock for every pixel: a word that is 0 when free, taken by an exchange that finds 0 or by a

@@ -1,0 +1,156 @@
+//! The catalogue: methods by name. It is a value: the built-in methods, and whichever are added to them.
+
+mod built_in;
+pub mod faults;
+
+use crate::error::{Error, Result};
+use crate::exec::Method;
+use crate::scheme::{Contract, Form};
+
+/// Methods, each with a name of its own.
+#[derive(Clone, Debug)]
+pub struct Catalogue {
+    methods: Vec<Method>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self::built_in()
+    }
+}
+
+impl Catalogue {
+    /// The built-in methods; the oracle, `exact`, comes first.
+    #[must_use]
+    pub fn built_in() -> Self {
+        Self { methods: built_in::METHODS.to_vec() }
+    }
+
+    /// With another method.
+    ///
+    /// # Errors
+    /// There is one of that name.
+    pub fn with(mut self, method: Method) -> Result<Self> {
+        if self.methods.contains(&method) {
+            let problem = "is the name of a method that is there already: give the new one another";
+            return Err(Error::new(method.name(), problem));
+        }
+        self.methods.push(method);
+        Ok(self)
+    }
+
+    /// All methods, in their order.
+    #[must_use]
+    pub fn methods(&self) -> &[Method] {
+        &self.methods
+    }
+
+    /// Those that promise something: all but the oracle and the built-in faults.
+    pub fn promised(&self) -> impl Iterator<Item = Method> + '_ {
+        let promises = |m: &&Method| !m.is_exact() && m.contract().form != Form::Mutation;
+        self.methods.iter().filter(promises).copied()
+    }
+
+    /// All contracts, in the methods' order.
+    pub fn contracts(&self) -> impl Iterator<Item = &'static Contract> + '_ {
+        self.methods.iter().map(Method::contract)
+    }
+
+    /// The method of that name. `place` is where the name was given, for the message.
+    ///
+    /// # Errors
+    /// There is none: the nearest name that there is, and all but the faults.
+    pub fn find(&self, place: &str, name: &str) -> Result<Method> {
+        if let Some(method) = self.methods.iter().find(|method| method.name() == name) {
+            return Ok(*method);
+        }
+        let names: Vec<&str> = self.methods.iter().map(Method::name).collect();
+        let guess = nearest(name, &names).map(|near| format!("; did you mean {near}?"));
+        let listed = self.contracts().filter(|contract| contract.form != Form::Mutation);
+        let listed: Vec<&str> = listed.map(|contract| contract.name).collect();
+        let problem = format!(
+            "unknown method {name:?}{} The methods are {} (and faults: see fragloom mutations)",
+            guess.unwrap_or_else(|| ".".to_owned()),
+            listed.join(", ")
+        );
+        Err(Error::new(place, problem))
+    }
+}
+
+/// What is drawn with if nothing else is said: `kplus-array`.
+pub const DEFAULT: Method = built_in::DEFAULT;
+
+/// The built-in method of that name.
+///
+/// # Errors
+/// There is none.
+///
+/// # Examples
+/// ```
+/// let method = fragloom::catalogue::method("kplus-array")?;
+/// assert_eq!(method.contract().default_k, Some(8));
+/// # Ok::<(), fragloom::error::Error>(())
+/// ```
+pub fn method(name: &str) -> Result<Method> {
+    Catalogue::built_in().find("--method", name)
+}
+
+/// The name with the fewest edits, if they are few for its length.
+fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
+    let near = names.iter().min_by_key(|known| edits(name, known))?;
+    (edits(name, near) <= 1 + near.len() / 4).then_some(near)
+}
+
+/// Levenshtein's distance: insertions, deletions and replacements of bytes.
+fn edits(from: &str, to: &str) -> usize {
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, a) in from.bytes().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, b) in to.bytes().enumerate() {
+            let replaced = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_levenshteins() {
+        let cases =
+            [("", "abc", 3), ("kb", "kb", 0), ("kitten", "sitting", 3), ("ab-l", "ab-ll", 1)];
+        assert!(cases.iter().all(|&(a, b, d)| edits(a, b) == d && edits(b, a) == d));
+    }
+
+    #[test]
+    fn near_names_are_suggested_and_far_ones_not() {
+        let names = ["z-buffer", "kplus-array", "kb"];
+        assert_eq!(nearest("kplus-aray", &names), Some("kplus-array"));
+        assert_eq!(nearest("zbuffer", &names), Some("z-buffer"));
+        assert_eq!(nearest("something", &names), None);
+    }
+
+    #[test]
+    fn every_name_is_there_once() {
+        let all = Catalogue::built_in();
+        for method in all.methods() {
+            assert_eq!(all.find("-m", method.name()), Ok(*method));
+            assert_eq!(all.methods().iter().filter(|m| *m == method).count(), 1, "{method}");
+            assert!(all.clone().with(*method).is_err(), "{method}");
+        }
+        assert!(all.methods()[0].is_exact());
+    }
+
+    #[test]
+    fn an_unknown_method_names_the_option_and_the_catalogue() {
+        let error = Catalogue::built_in().find("-m", "exakt").unwrap_err();
+        assert_eq!(error.place(), "-m");
+        assert!(error.problem().contains("did you mean exact?"), "{error}");
+        assert!(error.problem().contains("kplus-array"), "{error}");
+    }
+}

@@ -1,0 +1,134 @@
+//! A case: one litmus pixel of one method, made ready; and where its invocations stand after some answers.
+
+use std::task::{Context, Poll, Waker};
+
+use super::litmus::Litmus;
+use crate::error::{Error, Result};
+use crate::exec::promise::Promise;
+use crate::exec::{Instance, Method};
+use crate::memory::asked::{Asked, Here, OpenBlock, Request, Site};
+use crate::memory::{Inputs, Numbering};
+use crate::scheme::{Contract, Held, Scheme};
+
+pub use crate::scheme::task::{Ended, Task};
+
+/// A method that can be explored: any but the oracle, which has no invocations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// The method.
+    pub method: Method,
+    /// What it promises.
+    pub contract: &'static Contract,
+}
+
+impl Subject {
+    /// A method.
+    ///
+    /// # Errors
+    /// It is the oracle: there are no invocations whose order could matter.
+    pub fn new(method: Method) -> Result<Self> {
+        if method.is_exact() {
+            let problem =
+                "is the sequential reference: it has no invocations whose order could matter";
+            return Err(Error::new(method.name(), problem));
+        }
+        Ok(Self { method, contract: method.contract() })
+    }
+
+    /// A scheme of one's own.
+    #[must_use]
+    pub fn of<S: Scheme>() -> Self {
+        Self { method: Method::of::<S>(), contract: &S::CONTRACT }
+    }
+
+    /// A case of it.
+    #[must_use]
+    pub fn case(&self, litmus: &Litmus) -> Case {
+        let config = litmus.config(self.contract);
+        let instance = self.method.instance(&config).expect("it is not the oracle");
+        let numbering = Numbering::new(instance.layout(), litmus.pixels);
+        let inputs = litmus.inputs(instance.layout());
+        let litmus = litmus.clone();
+        Case { method: self.method, contract: self.contract, instance, numbering, inputs, litmus }
+    }
+}
+
+/// One litmus pixel of one method.
+pub struct Case {
+    pub(super) method: Method,
+    pub(super) contract: &'static Contract,
+    pub(super) instance: Box<dyn Instance>,
+    pub(super) numbering: Numbering,
+    pub(super) inputs: Inputs,
+    pub(super) litmus: Litmus,
+}
+
+impl Case {
+    /// What a pixel must hold, where room and arrival have no say; `None` if the method does not say.
+    pub(super) fn expected(&self, pixel: u32) -> Option<Held> {
+        let Self { method, contract, instance, inputs, litmus, .. } = self;
+        let bound = contract.bound(litmus.k, instance.layout(), inputs, litmus.pixels);
+        let promise = Promise::new(*method, Some(&**instance), inputs, bound);
+        promise.pixel(pixel, &litmus.generated(pixel))
+    }
+
+    /// Where a fresh invocation stands after these answers. With `lanes`, merges are questions too.
+    pub(super) fn follow(&self, task: Task, answers: &[Answer], lanes: bool) -> Standing {
+        let mem = Asked::new(&self.inputs, lanes);
+        let next = follow(&*self.instance, &mem, task, answers);
+        Standing { next, blocks: mem.blocks(), opened: mem.block_sites(), here: mem.here() }
+    }
+}
+
+/// An answer to an invocation's question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Answer {
+    /// The result of an operation, or leave to pass a merge.
+    Value(u64),
+    /// Try again.
+    Again,
+}
+
+/// Where an invocation stands after some answers.
+#[derive(Clone, Debug)]
+pub(super) struct Standing {
+    pub(super) next: Next,
+    /// Open blocks, outermost first.
+    pub(super) blocks: Vec<OpenBlock>,
+    /// Where blocks were opened so far.
+    pub(super) opened: Vec<Site>,
+    /// What it says it depends on from here on.
+    pub(super) here: Option<Here>,
+}
+
+/// What comes next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// An operation or a merge.
+    Ask(Request),
+    /// Again what came after so many answers.
+    Back(u32, Site),
+    /// Nothing.
+    Ended(Ended),
+}
+
+fn follow(instance: &dyn Instance, mem: &Asked<'_>, task: Task, answers: &[Answer]) -> Next {
+    let mut invocation = instance.ask(mem, task);
+    let mut context = Context::from_waker(Waker::noop());
+    let mut answers = answers.iter();
+    loop {
+        if let Poll::Ready(ended) = invocation.as_mut().poll(&mut context) {
+            debug_assert!(answers.next().is_none(), "more answers than questions");
+            return Next::Ended(ended);
+        }
+        let Some(request) = mem.request() else {
+            unreachable!("an invocation waits for this memory or for nothing")
+        };
+        match (request, answers.next()) {
+            (_, Some(Answer::Value(value))) => mem.answer(*value),
+            (_, Some(Answer::Again)) => mem.answer(0),
+            (Request::Spin(mark, site), None) => return Next::Back(mark.0, site),
+            (request, None) => return Next::Ask(request),
+        }
+    }
+}

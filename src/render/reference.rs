@@ -1,0 +1,68 @@
+//! The exact answer: what a method must give for a scene, with its options.
+
+use super::{Options, held_to, render};
+use crate::error::Result;
+use crate::exec::promise::Promise;
+use crate::raster::Grid;
+use crate::resolve::{Kept, Lists};
+use crate::scene::Scene;
+use crate::scheme::{Config, Held, HeldKind};
+
+/// What a method is held to on a scene.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// All fragments, in the words that the method stores.
+    pub all: Lists,
+    /// What the pixels must hold, where room and arrival have no say; `None` if the method says nothing of what it
+    /// approximates.
+    pub kept: Option<Kept>,
+}
+
+/// The exact answer for the method, k, depth format, data word and inputs of `options`: the oracle's fragments, and of
+/// these what the method promises to keep.
+///
+/// # Errors
+/// As [`render()`].
+///
+/// # Examples
+/// ```
+/// use fragloom::render::{Options, reference, render};
+/// use fragloom::scene::{self, Overrides};
+///
+/// let scene = scene::load("cubes", &Overrides { size: Some([32, 32]), ..Overrides::default() })?;
+/// let options = Options { k: Some(3), ..Options::default() };
+/// assert_eq!(reference(&scene, &options)?.kept, Some(render(&scene, &options)?.kept));
+/// # Ok::<(), fragloom::error::Error>(())
+/// ```
+pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
+    let exact = Options { counters: false, ..options.exact(None) };
+    let all = render(scene, &exact)?.lists()?.clone();
+    let k = options.k.or(options.method.contract().default_k);
+    let grid = Grid { width: all.width, height: all.height, tile: options.tile };
+    let config = Config { k, pixels: grid.storage_pixels() as u32, grid, ..Config::default() };
+    let instance = options.method.instance(&config);
+    let (inputs, bound) = held_to(instance.as_deref(), scene, options, &grid, k)?;
+    let promise = Promise::new(options.method, instance.as_deref(), &inputs, bound);
+    let kept = kept(&all, &grid, options.method.holds(), &promise);
+    Ok(Reference { all, kept })
+}
+
+/// What all pixels must hold, row by row; `None` if that is not said of one.
+fn kept(all: &Lists, grid: &Grid, holds: HeldKind, promise: &Promise<'_>) -> Option<Kept> {
+    let Lists { width, height, .. } = *all;
+    let mut offsets = vec![0];
+    let (mut keys, mut records, mut lights) = (Vec::new(), Vec::new(), Vec::new());
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        match promise.pixel(grid.pixel(x, y), all.pixel(x, y))? {
+            Held::Keys(list) => keys.extend(list),
+            Held::Records(list) => records.extend(list.list),
+            Held::Light(light) => lights.push(light),
+        }
+        offsets.push((keys.len() + records.len()) as u64);
+    }
+    Some(match holds {
+        HeldKind::Fragments => Kept::Fragments(Lists { width, height, offsets, entries: keys }),
+        HeldKind::Records => Kept::Records(Lists { width, height, offsets, entries: records }),
+        HeldKind::Color => Kept::Color(lights),
+    })
+}

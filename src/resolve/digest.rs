@@ -1,0 +1,140 @@
+//! The digest of resolved lists: what "the same fragments" means across machines, executors and methods.
+
+use sha2::{Digest, Sha256};
+
+use super::{Kept, Lists};
+use crate::num::hex;
+use crate::scheme::Record;
+
+/// Bytes gathered before the hash sees them: lists may fill most of the memory, so they are never copied whole.
+const CHUNK: usize = 1 << 16;
+
+/// What a frame's pixels hold, as SHA-256, hexadecimal: of lists of fragments ([`fragments_hash`]) and of merged records
+/// ([`records_hash`]); `None` where there are no lists.
+#[must_use]
+pub fn kept_hash(kept: &Kept) -> Option<String> {
+    match kept {
+        Kept::Fragments(lists) => Some(fragments_hash(lists)),
+        Kept::Records(lists) => Some(records_hash(lists)),
+        Kept::Color(_) => None,
+    }
+}
+
+/// SHA-256, hexadecimal, over little-endian u32 width and height, then the arrays of `--fragments`: offsets (u64), all
+/// depths (u32), all data words (u32). A key is `depth << 32 | data`.
+#[must_use]
+pub fn fragments_hash(lists: &Lists) -> String {
+    let (mut hasher, keys) = (head(lists), &lists.entries);
+    update(&mut hasher, keys, |key| ((key >> 32) as u32).to_le_bytes());
+    update(&mut hasher, keys, |key| (key as u32).to_le_bytes());
+    hex(&hasher.finalize())
+}
+
+/// The same of merged records: width and height, offsets, depths, colours as data words (RGBA8), thicknesses (f64), four
+/// premultiplied components of every colour (f64 each), and weights (f64).
+#[must_use]
+pub fn records_hash(lists: &Lists<Record>) -> String {
+    let (mut hasher, records) = (head(lists), &lists.entries);
+    update(&mut hasher, records, |record| record.depth.to_le_bytes());
+    update(&mut hasher, records, |record| record.color().to_le_bytes());
+    update(&mut hasher, records, |record| record.thickness.to_le_bytes());
+    let colors: Vec<f64> = records.iter().flat_map(|record| record.rgba).collect();
+    update(&mut hasher, &colors, f64::to_le_bytes);
+    update(&mut hasher, records, |record| record.weight.to_le_bytes());
+    hex(&hasher.finalize())
+}
+
+/// What every digest of lists begins with.
+fn head<T>(lists: &Lists<T>) -> Sha256 {
+    let mut hasher = Sha256::new();
+    hasher.update(lists.width.to_le_bytes());
+    hasher.update(lists.height.to_le_bytes());
+    update(&mut hasher, &lists.offsets, u64::to_le_bytes);
+    hasher
+}
+
+/// SHA-256, hexadecimal, of a hash table: over width and height (little-endian u32), then its cells (u64), row by row.
+#[must_use]
+pub fn table_hash([width, height]: [u32; 2], cells: &[u64]) -> String {
+    let mut hasher = Sha256::new();
+    hasher.update(width.to_le_bytes());
+    hasher.update(height.to_le_bytes());
+    update(&mut hasher, cells, u64::to_le_bytes);
+    hex(&hasher.finalize())
+}
+
+fn update<T: Copy, const N: usize>(hasher: &mut Sha256, words: &[T], bytes: impl Fn(T) -> [u8; N]) {
+    let mut chunk = Vec::with_capacity(CHUNK);
+    for some in words.chunks(CHUNK / N) {
+        chunk.clear();
+        chunk.extend(some.iter().flat_map(|&word| bytes(word)));
+        hasher.update(&chunk);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lists<T>(width: u32, height: u32, offsets: &[u64], entries: Vec<T>) -> Lists<T> {
+        Lists { width, height, offsets: offsets.to_vec(), entries }
+    }
+
+    fn hash(width: u32, height: u32, offsets: &[u64], keys: &[u64]) -> String {
+        fragments_hash(&lists(width, height, offsets, keys.to_vec()))
+    }
+
+    fn sha256(bytes: &[u8]) -> String {
+        Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    #[test]
+    fn the_bytes_are_sizes_offsets_depths_and_data() {
+        let keys = [0x0102_0304_0506_0708, 0x1112_1314_1516_1718];
+        #[rustfmt::skip]
+        let bytes = [
+            2, 0, 0, 0,  1, 0, 0, 0,
+            0, 0, 0, 0, 0, 0, 0, 0,  2, 0, 0, 0, 0, 0, 0, 0,  2, 0, 0, 0, 0, 0, 0, 0,
+            4, 3, 2, 1,  0x14, 0x13, 0x12, 0x11,
+            8, 7, 6, 5,  0x18, 0x17, 0x16, 0x15,
+        ];
+        assert_eq!(hash(2, 1, &[0, 2, 2], &keys), sha256(&bytes));
+    }
+
+    #[test]
+    fn chunks_do_not_show() {
+        let keys: Vec<u64> = (0..40_000).map(|i| (i << 32) | (i * i)).collect();
+        let mut bytes = vec![1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+        bytes.extend(40_000u64.to_le_bytes());
+        bytes.extend(keys.iter().flat_map(|key| ((key >> 32) as u32).to_le_bytes()));
+        bytes.extend(keys.iter().flat_map(|&key| (key as u32).to_le_bytes()));
+        assert_eq!(hash(1, 1, &[0, 40_000], &keys), sha256(&bytes));
+    }
+
+    #[test]
+    fn every_part_counts() {
+        let whole = hash(2, 1, &[0, 1, 2], &[1 << 32, 2]);
+        assert_ne!(whole, hash(2, 1, &[0, 2, 2], &[1 << 32, 2]));
+        assert_ne!(whole, hash(2, 1, &[0, 1, 2], &[2 << 32, 2]));
+        assert_ne!(whole, hash(2, 1, &[0, 1, 2], &[1 << 32, 3]));
+        assert_ne!(whole, hash(1, 2, &[0, 1, 2], &[1 << 32, 2]));
+    }
+
+    #[test]
+    fn every_part_of_a_record_counts() {
+        let hash = |record| records_hash(&lists(1, 1, &[0, 1], vec![record]));
+        let record = Record { depth: 5, thickness: 0.5, rgba: [0.1, 0.2, 0.3, 0.4], weight: 2.0 };
+        let changed = [
+            Record { depth: 6, ..record },
+            Record { thickness: 0.75, ..record },
+            Record { rgba: [0.1, 0.2, 0.3000001, 0.4], ..record },
+            Record { weight: 1.0, ..record },
+        ];
+        for other in changed {
+            assert_ne!(hash(other), hash(record), "{other:?}");
+        }
+        assert_eq!(hash(record), hash(record));
+        let none = Kept::Color(vec![crate::scheme::Light::default()]);
+        assert_eq!(kept_hash(&none), None, "no lists, no digest");
+    }
+}

@@ -1,0 +1,346 @@
+//! What a pixel holds after resolve: a list of fragments, a list of merged records, or a colour and no list.
+
+/// Fragments as keys (depth in the upper half, data in the lower), in any order.
+pub type Keys = Vec<u64>;
+
+/// What one fragment, or several that were merged, is to whoever looks along the ray. Two are equal if their bits are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Record {
+    /// The depth word of its far end, in the run's format.
+    pub depth: u32,
+    /// How far it reaches from there towards the eye, in world units; 0 for a surface.
+    pub thickness: f64,
+    /// Red, green and blue, linear and multiplied by the opacity, and the opacity: all 0 to 1.
+    pub rgba: [f64; 4],
+    /// How many fragments it stands for; of a fragment that was divided, its share.
+    pub weight: f64,
+}
+
+/// A pixel's merged records.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Records {
+    /// In any order.
+    pub list: Vec<Record>,
+    /// Fragments that went into another record during resolve: those that no store invocation has reported as
+    /// [`Outcome::Merged`](super::Outcome).
+    pub merged: u32,
+}
+
+/// A pixel's colour, where no list is left. Two are equal if their bits are.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// Red, green and blue that reach the eye, linear, 0 to 1.
+    pub color: [f64; 3],
+    /// The share of the background's light that passes, 0 to 1.
+    pub transmittance: f64,
+    /// Fragments that were stored one by one until resolve: those that no store invocation has reported as gone.
+    pub kept: u32,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { color: [0.0; 3], transmittance: 1.0, kept: 0 }
+    }
+}
+
+impl Record {
+    fn bits(&self) -> [u64; 7] {
+        let [r, g, b, a] = self.rgba.map(f64::to_bits);
+        [self.depth.into(), self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
+    }
+
+    /// One fragment as a surface: a stored depth and a colour word (RGBA8).
+    #[must_use]
+    pub fn surface(depth: u32, color: u32) -> Self {
+        let [r, g, b, a] = color.to_le_bytes().map(f64::from);
+        let premultiplied = |c: f64| a * c / 65_025.0;
+        let rgba = [premultiplied(r), premultiplied(g), premultiplied(b), a / 255.0];
+        Self { depth, thickness: 0.0, rgba, weight: 1.0 }
+    }
+
+    /// Its colour as a straight-alpha RGBA8 word, rounded.
+    #[must_use]
+    pub fn color(&self) -> u32 {
+        let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let [r, g, b, a] = self.rgba;
+        let straight = |c: f64| if a > 0.0 { byte(c / a) } else { 0 };
+        u32::from_le_bytes([straight(r), straight(g), straight(b), byte(a)])
+    }
+}
+
+impl Light {
+    fn bits(&self) -> [u64; 5] {
+        let [r, g, b] = self.color.map(f64::to_bits);
+        [r, g, b, self.transmittance.to_bits(), self.kept.into()]
+    }
+}
+
+macro_rules! compared_by_bits {
+    ($($type:ty)*) => {$(
+        impl PartialEq for $type {
+            fn eq(&self, other: &Self) -> bool {
+                self.bits() == other.bits()
+            }
+        }
+
+        impl Eq for $type {}
+
+        impl PartialOrd for $type {
+            fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+                Some(self.cmp(other))
+            }
+        }
+
+        impl Ord for $type {
+            fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+                self.bits().cmp(&other.bits())
+            }
+        }
+
+        impl std::hash::Hash for $type {
+            fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+                self.bits().hash(state);
+            }
+        }
+    )*};
+}
+
+compared_by_bits! { Record Light }
+
+/// What a pixel holds after resolve, of whichever kind its scheme gives.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Held {
+    /// Fragments.
+    Keys(Keys),
+    /// Merged records.
+    Records(Records),
+    /// A colour.
+    Light(Light),
+}
+
+/// Which of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeldKind {
+    /// A list of fragments.
+    Fragments,
+    /// A list of merged records.
+    Records,
+    /// A colour with a transmittance, and no list.
+    Color,
+}
+
+impl HeldKind {
+    /// Nothing yet, of this kind.
+    #[must_use]
+    pub fn empty(self) -> Held {
+        match self {
+            Self::Fragments => Held::Keys(Keys::new()),
+            Self::Records => Held::Records(Records::default()),
+            Self::Color => Held::Light(Light::default()),
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fragments => "lists of fragments",
+            Self::Records => "lists of merged records",
+            Self::Color => "colours and no lists",
+        }
+    }
+}
+
+/// What a scheme's resolve gives: [`Keys`], [`Records`] or [`Light`].
+pub trait Holds: Default + Send {
+    /// Its kind.
+    const KIND: HeldKind;
+
+    /// The value of this type in `held`, which is made empty if it is of another kind.
+    fn of(held: &mut Held) -> &mut Self;
+
+    /// With its kind.
+    fn into_held(self) -> Held;
+}
+
+macro_rules! holds {
+    ($($type:ty: $variant:ident, $kind:ident;)*) => {$(
+        impl Holds for $type {
+            const KIND: HeldKind = HeldKind::$kind;
+
+            #[inline]
+            fn of(held: &mut Held) -> &mut Self {
+                if !matches!(held, Held::$variant(_)) {
+                    *held = HeldKind::$kind.empty();
+                }
+                match held {
+                    Held::$variant(own) => own,
+                    _ => unreachable!("it was just made so"),
+                }
+            }
+
+            fn into_held(self) -> Held {
+                Held::$variant(self)
+            }
+        }
+    )*};
+}
+
+holds! {
+    Keys: Keys, Fragments;
+    Records: Records, Records;
+    Light: Light, Color;
+}
+
+impl Held {
+    /// Its kind.
+    #[must_use]
+    pub fn kind(&self) -> HeldKind {
+        match self {
+            Self::Keys(_) => HeldKind::Fragments,
+            Self::Records(_) => HeldKind::Records,
+            Self::Light(_) => HeldKind::Color,
+        }
+    }
+
+    /// Forget what it holds, and keep its room.
+    #[inline]
+    pub fn clear(&mut self) {
+        match self {
+            Self::Keys(keys) => keys.clear(),
+            Self::Records(records) => {
+                records.list.clear();
+                records.merged = 0;
+            }
+            Self::Light(light) => *light = Light::default(),
+        }
+    }
+
+    /// Add what another resolve of the same pixel gave, in a program of several rounds. A colour is the last one.
+    pub fn append(&mut self, other: Self) {
+        match (self, other) {
+            (Self::Keys(keys), Self::Keys(mut more)) if keys.is_empty() => {
+                std::mem::swap(keys, &mut more);
+            }
+            (Self::Keys(keys), Self::Keys(mut more)) => keys.append(&mut more),
+            (Self::Records(records), Self::Records(mut more)) => {
+                records.list.append(&mut more.list);
+                records.merged += more.merged;
+            }
+            (own, other) => *own = other,
+        }
+    }
+
+    /// Put it into canonical order.
+    pub fn sort(&mut self) {
+        match self {
+            Self::Keys(keys) => keys.sort_unstable(),
+            Self::Records(records) => records.list.sort_unstable(),
+            Self::Light(_) => {}
+        }
+    }
+
+    /// Fragments and records that are there one by one.
+    #[inline]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Keys(keys) => keys.len(),
+            Self::Records(records) => records.list.len(),
+            Self::Light(light) => light.kept as usize,
+        }
+    }
+
+    /// Nothing is there one by one.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Fragments that resolve merged into others.
+    #[inline]
+    #[must_use]
+    pub fn merged(&self) -> u32 {
+        match self {
+            Self::Records(records) => records.merged,
+            Self::Keys(_) | Self::Light(_) => 0,
+        }
+    }
+
+    /// Its fragments, if it is a list of them.
+    #[must_use]
+    pub fn keys(&self) -> Option<&[u64]> {
+        match self {
+            Self::Keys(keys) => Some(keys),
+            Self::Records(_) | Self::Light(_) => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Held {
+    /// Entries as depth/data, hexadecimal; of records, the thickness and weight besides.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let entries: Vec<String> = match self {
+            Self::Keys(keys) => {
+                keys.iter().map(|&key| format!("{:x}/{:x}", key >> 32, key as u32)).collect()
+            }
+            Self::Records(records) => {
+                let entry = |r: &Record| {
+                    format!(
+                        "{:x}/{:x} thick {} weight {}",
+                        r.depth,
+                        r.color(),
+                        r.thickness,
+                        r.weight
+                    )
+                };
+                records.list.iter().map(entry).collect()
+            }
+            Self::Light(Light { color: [r, g, b], transmittance, .. }) => {
+                return write!(f, "colour {r} {g} {b}, transmittance {transmittance}");
+            }
+        };
+        write!(f, "[{}]", entries.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fragment::key;
+
+    #[test]
+    fn a_colour_word_comes_back_from_a_surface() {
+        for word in [0xFF01_80FF, 0x8000_FF01, 0x01FF_FFFF, 0x0000_0000, 0xFFFF_FFFF] {
+            assert_eq!(Record::surface(7, word).color(), word, "{word:x}");
+        }
+    }
+
+    #[test]
+    fn a_value_of_another_kind_is_replaced() {
+        let mut held = HeldKind::Color.empty();
+        Keys::of(&mut held).push(key(3, 4));
+        assert_eq!(held, Held::Keys(vec![key(3, 4)]));
+        assert_eq!((held.kind(), held.len()), (HeldKind::Fragments, 1));
+        held.clear();
+        assert!(held.is_empty());
+    }
+
+    #[test]
+    fn equality_is_of_bits() {
+        let light = |color| Light { color: [color; 3], ..Light::default() };
+        assert_ne!(light(0.0), light(-0.0));
+        assert_eq!(light(f64::NAN), light(f64::NAN));
+    }
+
+    #[test]
+    fn rounds_add_up() {
+        let mut held = HeldKind::Records.empty();
+        let one = || Records { list: vec![Record::default()], merged: 2 };
+        held.append(one().into_held());
+        held.append(one().into_held());
+        assert_eq!((held.len(), held.merged()), (2, 4));
+        assert_eq!(held.to_string(), "[0/0 thick 0 weight 0 0/0 thick 0 weight 0]");
+    }
+}
