@@ -56,7 +56,7 @@ impl Voxels {
     ///
     /// // One pixel, solid from 0.25 to 0.75.
     /// let keys = [0.25, 0.75].map(|z| u64::from(code(z)) << 32).to_vec();
-    /// let lists = Lists { width: 1, height: 1, offsets: vec![0, 2], keys };
+    /// let lists = Lists { width: 1, height: 1, offsets: vec![0, 2], entries: keys };
     /// assert_eq!(Voxels::new(&lists, Format::D32, 4).inside, [0, 1, 1, 0]);
     /// ```
     #[must_use]

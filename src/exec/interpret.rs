@@ -7,10 +7,13 @@ use std::task::{Context, Poll, Waker};
 
 use super::drive::{Outcomes, Pipeline, complete};
 use super::method::Instance;
+use super::sim::turns::{Stepped, Stores};
+use crate::error::Result;
 use crate::fragment::Fragment;
 use crate::memory::asked::{Action, Asked, Request};
-use crate::memory::{Address, Inputs, Layout, Memory, Order, Pool, Update, perform};
-use crate::scheme::task::{Ended, Task};
+use crate::memory::sim::Sim;
+use crate::memory::{Address, Counters, Inputs, Layout, Memory, Order, Pool, Update, perform};
+use crate::scheme::task::{Ended, Invocation, Task};
 use crate::scheme::{Held, Outcome, Readback};
 
 /// An instance whose invocations are interpreted, with the inputs that they read.
@@ -112,5 +115,16 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
 
     fn readback(&self) -> Option<Readback> {
         self.instance.readback()
+    }
+}
+
+impl Stepped for Interpreted<'_> {
+    fn store<'a>(&'a self, stores: Stores<'a>) -> Result<()> {
+        let mem = stores.mem;
+        stores.run(move |&fragment: &Fragment| Interpreted::store(self, mem, fragment))
+    }
+
+    fn start<'a>(&'a self, mem: &'a Sim<Counters>, task: Task) -> Invocation<'a> {
+        Box::pin(self.run(mem, task))
     }
 }

@@ -5,17 +5,15 @@
 //! executors then answer its questions, operation by operation, with the same results ([`super::interpret`]). Built-in
 //! faults are of that form: nobody hurries them.
 
-use std::future::Future;
 use std::marker::PhantomData;
-use std::pin::Pin;
 
 use super::drive::Pipeline;
-use super::sim::Stepped;
+use super::sim::turns::Stepped;
 use crate::memory::asked::Asked;
 use crate::memory::exclusive::Exclusive;
 use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Snapshot};
-use crate::scheme::task::{Ended, Task, invoke};
+use crate::scheme::task::{Invocation, Task, invoke};
 use crate::scheme::{Config, Contract, Held, HeldKind, Holds, Moment, Readback, Scheme, exact};
 
 /// Makes a scheme and its words for a configuration.
@@ -28,9 +26,6 @@ pub struct Method {
     holds: HeldKind,
     make: Option<Make>,
 }
-
-/// An invocation that asks.
-pub type Invocation<'a> = Pin<Box<dyn Future<Output = Ended> + 'a>>;
 
 /// A scheme with its configuration and its words.
 pub trait Instance: Send + Sync {

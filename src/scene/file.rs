@@ -6,12 +6,11 @@ use std::collections::BTreeMap;
 use glam::{DMat4, DVec3, DVec4};
 use serde::Deserialize;
 
-use super::camera::{AMBIENT, FOV_Y};
-use super::load::{DEFAULT_BACKGROUND, Draft, Overrides, image_size};
+use super::camera::AMBIENT;
+use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
 use super::{
-    Bounds, Camera, Light, Material, Model, Projection, Scene, ScreenTriangle, Shading, check,
-    names, procedural,
+    Bounds, Light, Material, Model, Scene, ScreenTriangle, Shading, check, names, procedural,
 };
 use crate::error::{Error, Result};
 
@@ -51,19 +50,6 @@ struct Table {
     object: Vec<ObjectTable>,
     #[serde(default)]
     screen: Vec<ScreenTable>,
-}
-
-/// A camera as written: planes may be left out.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct View {
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: Option<[f64; 3]>,
-    fov_y: Option<f64>,
-    ortho_height: Option<f64>,
-    near: Option<f64>,
-    far: Option<f64>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -194,35 +180,6 @@ impl Description {
         names::check(objects).map_err(|(i, problem)| self.wrong("object", i, &problem))?;
         let mut screen = table.screen.iter().enumerate();
         screen.try_for_each(|(i, triangle)| check::screen(place, i, &triangle.triangle()))
-    }
-}
-
-impl View {
-    fn problem(&self) -> Option<&'static str> {
-        let both = self.fov_y.is_some() && self.ortho_height.is_some();
-        both.then_some("camera.fov_y: must not be given together with camera.ortho_height")
-    }
-
-    /// The camera that is written, with planes around `bounds` where they are left out, or one that frames
-    /// `bounds`.
-    pub(super) fn camera(view: Option<&Self>, bounds: Bounds, size: [u32; 2]) -> Camera {
-        let Some(view) = view else { return Camera::frame(bounds, size) };
-        let projection = match view.ortho_height {
-            Some(height) => Projection::Orthographic { height },
-            None => Projection::Perspective { fov_y: view.fov_y.unwrap_or(FOV_Y) },
-        };
-        let mut camera = Camera {
-            eye: view.eye.into(),
-            target: view.target.into(),
-            up: view.up.map_or(DVec3::Y, DVec3::from),
-            projection,
-            near: 0.0,
-            far: 0.0,
-        };
-        let (near, far) = camera.planes_around(bounds);
-        camera.near = view.near.unwrap_or(near);
-        camera.far = view.far.unwrap_or(far);
-        camera
     }
 }
 

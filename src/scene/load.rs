@@ -3,31 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::file::{self, Source, View};
-use super::model::{GREY, Model, read_file};
+use super::draft::{Draft, Overrides, image_size};
+use super::file::{self, Source};
+use super::model::{Model, read_file};
 use super::procedural::{self, Builtin};
-use super::{Bounds, Light, Material, Scene, Shading, check, gltf, names, obj, ply};
+use super::{Scene, gltf, names, obj, ply};
 use crate::error::{Error, Result};
-
-/// Width and height of images where nobody says, in pixels.
-pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
-
-/// The background where a scene does not say: white.
-pub const DEFAULT_BACKGROUND: [f32; 3] = [1.0; 3];
 
 /// The opacity of a mesh file's surfaces that would be opaque.
 pub const MESH_ALPHA: f32 = 0.5;
-
-/// What the command line says about a scene, over what its file says.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Overrides {
-    /// Width and height of the image in pixels.
-    pub size: Option<[u32; 2]>,
-    /// The opacity of all materials and screen triangles, 0..1.
-    pub alpha: Option<f32>,
-    /// How light acts on all materials.
-    pub shading: Option<Shading>,
-}
 
 /// Loads a scene: a mesh file (`.obj`, `.gltf`, `.glb`, `.ply`), a scene file (`.toml`), or a built-in scene's
 /// name, optionally with keys as in `layers:count=64,alpha=0.25`.
@@ -123,73 +107,4 @@ fn file_name(path: &Path) -> String {
 /// The path of a file named in another file.
 fn beside(path: &Path, name: &str) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(name)
-}
-
-/// The image's size: the option's, or else the file's, or else the default; checked.
-pub(super) fn image_size(
-    place: &str,
-    own: Option<[u32; 2]>,
-    overrides: &Overrides,
-) -> Result<[u32; 2]> {
-    if let Some(size) = overrides.size {
-        check::size("--size", size)?;
-    }
-    let size = overrides.size.or(own).unwrap_or(DEFAULT_SIZE);
-    check::size(place, size)?;
-    Ok(size)
-}
-
-/// A scene before its camera, light and overrides.
-pub(super) struct Draft {
-    pub(super) name: String,
-    pub(super) size: Option<[u32; 2]>,
-    pub(super) background: [f32; 3],
-    pub(super) view: Option<View>,
-    pub(super) light: Option<Light>,
-    pub(super) model: Model,
-}
-
-impl Draft {
-    pub(super) fn new(name: String, model: Model) -> Self {
-        let (size, background) = (None, DEFAULT_BACKGROUND);
-        Self { name, size, background, view: None, light: None, model }
-    }
-
-    /// Fills what is missing, applies the overrides and checks the whole.
-    pub(super) fn finish(self, overrides: &Overrides) -> Result<Scene> {
-        let size = image_size(&self.name, self.size, overrides)?;
-        let bounds = Bounds::of(&self.model.objects);
-        let camera = View::camera(self.view.as_ref(), bounds, size);
-        let mut scene = Scene {
-            name: self.name,
-            size,
-            background: self.background,
-            light: self.light.unwrap_or_else(|| camera.default_light()),
-            camera,
-            materials: self.model.materials,
-            objects: self.model.objects,
-            screen: self.model.screen,
-            warnings: self.model.warnings,
-        };
-        if scene.materials.is_empty() {
-            scene.materials.push(Material::new("default", GREY, 1.0));
-        }
-        overrides.apply(&mut scene)?;
-        check::scene(&scene)?;
-        Ok(scene)
-    }
-}
-
-impl Overrides {
-    fn apply(&self, scene: &mut Scene) -> Result<()> {
-        if let Some(alpha) = self.alpha {
-            check::fraction("--alpha", "alpha", alpha)?;
-            scene.materials.iter_mut().for_each(|material| material.alpha = alpha);
-            scene.screen.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
-        }
-        if let Some(shading) = self.shading {
-            scene.materials.iter_mut().for_each(|material| material.shading = shading);
-        }
-        Ok(())
-    }
 }

@@ -8,6 +8,7 @@
 mod bounds;
 mod camera;
 pub mod check;
+mod draft;
 pub mod file;
 pub mod gltf;
 mod load;
@@ -24,7 +25,8 @@ use serde::Deserialize;
 
 pub use self::bounds::Bounds;
 pub use self::camera::{AMBIENT, FOV_Y};
-pub use self::load::{DEFAULT_BACKGROUND, DEFAULT_SIZE, MESH_ALPHA, Overrides, builtin, load};
+pub use self::draft::{DEFAULT_BACKGROUND, DEFAULT_SIZE, Overrides};
+pub use self::load::{MESH_ALPHA, builtin, load};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::procedural::Builtin;
 

@@ -1,5 +1,8 @@
-//! What one invocation does, as data: for those who run invocations of several passes at once, or of methods whose
-//! type they do not know.
+//! What one invocation does, as data: for code that runs invocations of several passes at once, or of methods whose
+//! type it does not know.
+
+use std::future::Future;
+use std::pin::Pin;
 
 use super::held::Holds;
 use super::{Held, Outcome, Scheme};
@@ -26,6 +29,9 @@ pub enum Task {
     /// Resolve a pixel, and say whether it needs another round.
     Resolve(u32),
 }
+
+/// A running invocation, without its type.
+pub type Invocation<'a> = Pin<Box<dyn Future<Output = Ended> + 'a>>;
 
 /// What an invocation gave when it ended.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -1,5 +1,6 @@
 //! A debug switch of the simulated device: after every step of a store pass, what a method says of its words.
 
+use super::slots::Check;
 use crate::exec::Instance;
 use crate::memory::sim::{Change, Sim};
 use crate::memory::{Address, Counters, Growing, Snapshot};
@@ -55,12 +56,6 @@ impl<'a> Checker<'a> {
         let words = Snapshot { value: &value };
         self.instance.invariant(&words, pixel, Moment::Always)
     }
-}
-
-/// Without its type.
-pub(super) trait Check {
-    /// After a step.
-    fn step(&mut self);
 }
 
 impl Check for Checker<'_> {

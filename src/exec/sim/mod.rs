@@ -13,7 +13,7 @@ pub mod schedule;
 mod slots;
 mod stages;
 mod submission;
-mod turns;
+pub(super) mod turns;
 mod watch;
 
 use super::account::Tally;

@@ -10,12 +10,17 @@ use std::ops::Range;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-use super::checker::Check;
 use super::policy::{Any, Policy};
 use super::schedule::Recorder;
 use crate::error::{Error, Result};
 use crate::memory::Observer;
 use crate::memory::sim::Sim;
+
+/// Looks at memory after each step.
+pub(super) trait Check {
+    /// After a step.
+    fn step(&mut self);
+}
 
 /// Steps without any invocation ending, after which a schedule is taken to hang.
 const PATIENCE: u64 = 200_000_000;

@@ -2,7 +2,8 @@
 //! that become free.
 
 use super::Memory;
-use super::checker::{Check, Checker};
+use super::checker::Checker;
+use super::slots::Check;
 use super::submission::Submission;
 use super::turns::{Stepped, Stores, Turns};
 use super::watch::Recording;

@@ -3,19 +3,16 @@
 use std::future::Future;
 
 use super::Memory;
-use super::checker::Check;
 use super::policy::{Any, Policy, Settings};
 use super::schedule::Recorder;
-use super::slots::{Slots, Watcher};
+use super::slots::{Check, Slots, Watcher};
 use super::submission::Submission;
 use super::watch::Recording;
 use crate::error::Result;
 use crate::exec::account::Tally;
-use crate::exec::interpret::Interpreted;
-use crate::exec::method::Invocation;
 use crate::fragment::Fragment;
 use crate::memory::Counters;
-use crate::scheme::task::{Ended, Task, invoke};
+use crate::scheme::task::{Ended, Invocation, Task, invoke};
 use crate::scheme::{Outcome, Scheme};
 
 /// A scheme on simulated memory, without its type.
@@ -41,17 +38,6 @@ impl<S: Scheme> Stepped for S {
     }
 }
 
-impl Stepped for Interpreted<'_> {
-    fn store<'a>(&'a self, stores: Stores<'a>) -> Result<()> {
-        let mem = stores.mem;
-        stores.run(move |&fragment: &Fragment| Interpreted::store(self, mem, fragment))
-    }
-
-    fn start<'a>(&'a self, mem: &'a Memory<Counters>, task: Task) -> Invocation<'a> {
-        Box::pin(self.run(mem, task))
-    }
-}
-
 /// Who goes next, and how many are there at once.
 #[derive(Debug)]
 pub(super) struct Turns {
@@ -63,7 +49,7 @@ pub(super) struct Turns {
 
 /// Fragments that are to be stored, and where it is told what became of them.
 pub struct Stores<'a> {
-    pub(super) mem: &'a Memory<Counters>,
+    pub(in crate::exec) mem: &'a Memory<Counters>,
     pub(super) turns: &'a mut Turns,
     pub(super) work: Submission<'a>,
     /// By storage pixel: fragments reported as not kept.
@@ -74,7 +60,11 @@ pub struct Stores<'a> {
 }
 
 impl<'a> Stores<'a> {
-    fn run<F: Future<Output = Outcome>>(self, invoke: impl Fn(&Fragment) -> F) -> Result<()> {
+    /// Run one store invocation per fragment.
+    pub(in crate::exec) fn run<F: Future<Output = Outcome>>(
+        self,
+        invoke: impl Fn(&Fragment) -> F,
+    ) -> Result<()> {
         let Self { mem, turns, work, gone, reports, watcher, checker } = self;
         let done = |fragment: &Fragment, outcome| {
             gone[fragment.pixel as usize] += u32::from(reports.report(outcome));

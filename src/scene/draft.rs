@@ -1,0 +1,137 @@
+//! A scene before it is checked: what its source says, what the command line says over it, and what is missing.
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use super::camera::FOV_Y;
+use super::model::{GREY, Model};
+use super::{Bounds, Camera, Light, Material, Projection, Scene, Shading, check};
+use crate::error::Result;
+
+/// Width and height of images where nothing is said, in pixels.
+pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
+
+/// The background where a scene does not say: white.
+pub const DEFAULT_BACKGROUND: [f32; 3] = [1.0; 3];
+
+/// What the command line says about a scene, over what its file says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Width and height of the image in pixels.
+    pub size: Option<[u32; 2]>,
+    /// The opacity of all materials and screen triangles, 0..1.
+    pub alpha: Option<f32>,
+    /// How light acts on all materials.
+    pub shading: Option<Shading>,
+}
+
+/// The image's size: the option's, or else the file's, or else the default; checked.
+pub(super) fn image_size(
+    place: &str,
+    own: Option<[u32; 2]>,
+    overrides: &Overrides,
+) -> Result<[u32; 2]> {
+    if let Some(size) = overrides.size {
+        check::size("--size", size)?;
+    }
+    let size = overrides.size.or(own).unwrap_or(DEFAULT_SIZE);
+    check::size(place, size)?;
+    Ok(size)
+}
+
+/// A scene before its camera, light and overrides.
+pub(super) struct Draft {
+    pub(super) name: String,
+    pub(super) size: Option<[u32; 2]>,
+    pub(super) background: [f32; 3],
+    pub(super) view: Option<View>,
+    pub(super) light: Option<Light>,
+    pub(super) model: Model,
+}
+
+impl Draft {
+    pub(super) fn new(name: String, model: Model) -> Self {
+        let (size, background) = (None, DEFAULT_BACKGROUND);
+        Self { name, size, background, view: None, light: None, model }
+    }
+
+    /// Fills what is missing, applies the overrides and checks the whole.
+    pub(super) fn finish(self, overrides: &Overrides) -> Result<Scene> {
+        let size = image_size(&self.name, self.size, overrides)?;
+        let bounds = Bounds::of(&self.model.objects);
+        let camera = View::camera(self.view.as_ref(), bounds, size);
+        let mut scene = Scene {
+            name: self.name,
+            size,
+            background: self.background,
+            light: self.light.unwrap_or_else(|| camera.default_light()),
+            camera,
+            materials: self.model.materials,
+            objects: self.model.objects,
+            screen: self.model.screen,
+            warnings: self.model.warnings,
+        };
+        if scene.materials.is_empty() {
+            scene.materials.push(Material::new("default", GREY, 1.0));
+        }
+        overrides.apply(&mut scene)?;
+        check::scene(&scene)?;
+        Ok(scene)
+    }
+}
+
+impl Overrides {
+    fn apply(&self, scene: &mut Scene) -> Result<()> {
+        if let Some(alpha) = self.alpha {
+            check::fraction("--alpha", "alpha", alpha)?;
+            scene.materials.iter_mut().for_each(|material| material.alpha = alpha);
+            scene.screen.iter_mut().for_each(|triangle| triangle.color[3] = alpha);
+        }
+        if let Some(shading) = self.shading {
+            scene.materials.iter_mut().for_each(|material| material.shading = shading);
+        }
+        Ok(())
+    }
+}
+
+/// A camera as written: planes may be left out.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct View {
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: Option<[f64; 3]>,
+    fov_y: Option<f64>,
+    ortho_height: Option<f64>,
+    near: Option<f64>,
+    far: Option<f64>,
+}
+
+impl View {
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        let both = self.fov_y.is_some() && self.ortho_height.is_some();
+        both.then_some("camera.fov_y: must not be given together with camera.ortho_height")
+    }
+
+    /// The camera that is written, with planes around `bounds` where they are left out, or one that frames
+    /// `bounds`.
+    pub(super) fn camera(view: Option<&Self>, bounds: Bounds, size: [u32; 2]) -> Camera {
+        let Some(view) = view else { return Camera::frame(bounds, size) };
+        let projection = match view.ortho_height {
+            Some(height) => Projection::Orthographic { height },
+            None => Projection::Perspective { fov_y: view.fov_y.unwrap_or(FOV_Y) },
+        };
+        let mut camera = Camera {
+            eye: view.eye.into(),
+            target: view.target.into(),
+            up: view.up.map_or(DVec3::Y, DVec3::from),
+            projection,
+            near: 0.0,
+            far: 0.0,
+        };
+        let (near, far) = camera.planes_around(bounds);
+        camera.near = view.near.unwrap_or(near);
+        camera.far = view.far.unwrap_or(far);
+        camera
+    }
+}
