@@ -4,7 +4,7 @@
 mod support;
 
 use fragloom::catalogue;
-use fragloom::explore::litmus::of_size;
+use fragloom::explore::program::litmus::of_size;
 use fragloom::explore::{Device, Family, Limits, MemoryModel, Profile, Subject, explore};
 use support::{median, time};
 

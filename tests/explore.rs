@@ -12,12 +12,11 @@ use std::collections::BTreeSet;
 
 use fragloom::catalogue::faults::MUTATIONS;
 use fragloom::catalogue::{self, Catalogue};
-use fragloom::explore::check::properties;
-use fragloom::explore::claims::claim_by_id;
-use fragloom::explore::matrix::{Fate, Line, matrix};
+use fragloom::explore::verdict::claims::claim_by_id;
+use fragloom::explore::verdict::matrix::{Fate, Line, matrix};
 use fragloom::explore::{
     Device, Family, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property, Row, Subject,
-    Survey, Token, Verdict, check, explore, replay,
+    Survey, Token, Verdict, check, explore, properties, replay,
 };
 use fragloom::fragment::{data_of, depth_of, key, pair_key};
 use fragloom::num::depth::{EMPTY, FARTHEST};

@@ -3,11 +3,10 @@
 //! marks that claim too much.
 
 use fragloom::catalogue;
-use fragloom::explore::check::termination;
-use fragloom::explore::progress::ends;
+use fragloom::explore::search::progress::ends;
 use fragloom::explore::{
     Device, Explored, Limits, Litmus, MemoryModel, Plan, Progress, Property, Row, Subject, Token,
-    Verdict, check, explore, replay,
+    Verdict, check, explore, replay, termination,
 };
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};

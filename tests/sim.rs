@@ -3,8 +3,8 @@
 mod support;
 
 use fragloom::catalogue::Catalogue;
-use fragloom::explore::minimise::minimise_scene;
 use fragloom::explore::replay::replay;
+use fragloom::explore::sample::minimise::minimise_scene;
 use fragloom::explore::{Limits, Token};
 use fragloom::render::{Exec, Options, Policy, Rendering, Sim};
 use fragloom::scene::Scene;

@@ -1,7 +1,7 @@
 //! The stability matrix: what each method's result is seen to depend on is what its contract declares.
 
 use fragloom::catalogue::{Catalogue, method};
-use fragloom::explore::stability::{Stability, derive, derive_one};
+use fragloom::explore::sample::stability::{Stability, derive, derive_one};
 
 #[test]
 fn what_is_seen_is_what_contracts_declare() {

@@ -7,11 +7,12 @@ use super::interrupt::Interrupt;
 use super::{Verdict, say, values, wait};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::explore::claims::claim_by_id;
-use crate::explore::expect::{self, Expectation};
+use crate::explore::verdict::claims::claim_by_id;
+use crate::explore::verdict::expect::{self, Expectation};
+use crate::explore::verdict::matrix;
 use crate::explore::{
     Device, Executions, Limits, MemoryModel, Plan, Profile, Progress, Row, Subject, Survey, check,
-    cut, matrix, properties, sampled,
+    cut, properties, sampled,
 };
 use crate::render::{Exec, Options, Sim};
 use crate::report::{json, verdicts};

@@ -2,7 +2,7 @@
 
 use super::{Verdict, say};
 use crate::error::Result;
-use crate::explore::claims::{CLAIMS, Claim};
+use crate::explore::verdict::claims::{CLAIMS, Claim};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 

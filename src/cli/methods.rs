@@ -3,7 +3,7 @@
 use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
 use crate::error::Result;
-use crate::explore::stability::{self, Stability};
+use crate::explore::sample::stability::{self, Stability};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scheme::contract::Program;

@@ -13,7 +13,7 @@ use crate::exec::Instance;
 use crate::exec::drive::{Outcomes, Pipeline};
 use crate::exec::interpret::Interpreted;
 use crate::explore::Subject;
-use crate::explore::litmus::{Family, Litmus, instances};
+use crate::explore::program::litmus::{Family, Litmus, instances};
 use crate::fragment::{Data, Fragment};
 use crate::memory::Inputs;
 use crate::memory::arena::{Owned, Shared};

@@ -11,7 +11,7 @@ use super::failure::{Failure, Result};
 use super::program::{Program, Shape, constants};
 use super::resolve::resolve;
 use super::source::Twin;
-use crate::explore::litmus::{Family, Litmus, instances};
+use crate::explore::program::litmus::{Family, Litmus, instances};
 use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment};
 use crate::num::depth::Format;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::text::{Align, columns, thousands};
-use crate::explore::matrix::{Kill, Line};
+use crate::explore::verdict::matrix::{Kill, Line};
 use crate::explore::{Row, Token, Verdict};
 
 /// One line per verdict; under a violation its message, its results where they differ, and its token.

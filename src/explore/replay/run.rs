@@ -1,18 +1,19 @@
 //! Running a schedule, step by step, with everything that happens on record.
 
-use super::case::{Case, Ended, Task};
-use super::exhaustive::Limits;
-use super::forest::{NodeId, Step};
-use super::litmus::Stage;
-use super::machine::{Device, Final, Machine, Moved};
-use super::model::Race;
-use super::property::{self, Property};
-use super::schedule::Move;
-use super::space::Space;
 use crate::error::{Error, Result};
+use crate::explore::memory::model::Race;
+use crate::explore::program::case::Case;
+use crate::explore::program::forest::{NodeId, Step};
+use crate::explore::program::litmus::Stage;
+use crate::explore::program::machine::{Device, Final, Machine, Moved};
+use crate::explore::program::schedule::Move;
+use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::property::{self, Property};
+use crate::explore::search::space::Space;
 use crate::memory::asked::{Action, Site};
 use crate::memory::{Address, Numbering};
 use crate::scheme::Moment;
+use crate::scheme::task::{Ended, Task};
 
 /// One step of a run.
 #[derive(Clone, Debug)]
@@ -54,7 +55,7 @@ impl Run {
 }
 
 /// Runs one instance, move by move.
-pub(super) struct Runner<'a> {
+pub(in crate::explore) struct Runner<'a> {
     machine: Machine<'a>,
     nodes: Vec<NodeId>,
     state: Vec<u32>,
@@ -62,7 +63,7 @@ pub(super) struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    pub(super) fn new(case: &'a Case, device: Device) -> Self {
+    pub(in crate::explore) fn new(case: &'a Case, device: Device) -> Self {
         let machine = Machine::new(case, device, false);
         let state = machine.initial().to_vec();
         let nodes = state[..machine.width].to_vec();
@@ -70,28 +71,28 @@ impl<'a> Runner<'a> {
     }
 
     /// Bits of those that have not ended.
-    pub(super) fn live(&self) -> u32 {
+    pub(in crate::explore) fn live(&self) -> u32 {
         self.machine.live(&self.nodes)
     }
 
     /// The number of the present stage, over all rounds.
-    pub(super) fn stage(&self) -> usize {
+    pub(in crate::explore) fn stage(&self) -> usize {
         self.machine.stage_number()
     }
 
     /// In how many ways an invocation can move.
-    pub(super) fn alternatives(&mut self, invocation: usize) -> usize {
+    pub(in crate::explore) fn alternatives(&mut self, invocation: usize) -> usize {
         self.machine.load(&self.state);
         self.machine.alternatives(&self.nodes, invocation)
     }
 
     /// The node that an invocation stands at repeats an attempt.
-    pub(super) fn waits(&self, invocation: usize) -> bool {
+    pub(in crate::explore) fn waits(&self, invocation: usize) -> bool {
         self.machine.forest.node(self.nodes[invocation]).waits
     }
 
     /// Move; `None` if the invocation cannot move so.
-    pub(super) fn step(&mut self, by: Move) -> Option<&Event> {
+    pub(in crate::explore) fn step(&mut self, by: Move) -> Option<&Event> {
         let invocation = usize::from(by.invocation);
         let node = *self.nodes.get(invocation)?;
         if usize::from(by.alternative) >= self.alternatives(invocation) {
@@ -154,7 +155,7 @@ impl<'a> Runner<'a> {
         let matches = |event: &&Event| {
             let Some((at, action)) = event.operation else { return false };
             let writes = !matches!(action, Action::Read(_));
-            let plain = super::model::order_of(action).is_none();
+            let plain = crate::explore::memory::model::order_of(action).is_none();
             usize::from(event.by.invocation) == race.other
                 && at == name
                 && writes == race.other_writes
@@ -219,7 +220,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Everything, whether or not all invocations have ended.
-    pub(super) fn finish(mut self) -> Run {
+    pub(in crate::explore) fn finish(mut self) -> Run {
         let (mut end, mut wrong) = (None, Vec::new());
         if self.live() == 0 {
             self.machine.load(&self.state);
@@ -235,7 +236,7 @@ impl<'a> Runner<'a> {
 
     /// Whether some way from the present state ends with nothing wrong: with the expected lists, and none of the
     /// faults that the explorer knows. `None` above so many states.
-    pub(super) fn can_still_be_right(&mut self, limits: &Limits<'_>) -> Option<bool> {
+    pub(in crate::explore) fn can_still_be_right(&mut self, limits: &Limits<'_>) -> Option<bool> {
         let mut space = Space::new();
         let start = self.state.clone();
         let count = self.nodes.len();
@@ -315,7 +316,7 @@ pub fn describe(action: Action) -> String {
 ///
 /// # Errors
 /// A move that is impossible: the schedule is of something else.
-pub(super) fn run(case: &Case, device: Device, schedule: &[Move]) -> Result<Run> {
+pub(in crate::explore) fn run(case: &Case, device: Device, schedule: &[Move]) -> Result<Run> {
     let mut runner = Runner::new(case, device);
     for (i, &by) in schedule.iter().enumerate() {
         if runner.step(by).is_none() {

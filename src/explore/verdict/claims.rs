@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 
-use super::case::Subject;
 use super::check::{self, Plan, Survey};
-use super::exhaustive::Limits;
-use super::litmus::Family;
-use super::machine::Device;
-use super::property::Property;
-use super::verdict::{Row, Verdict};
+use super::{Row, Verdict};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
+use crate::explore::program::litmus::Family;
+use crate::explore::program::machine::Device;
+use crate::explore::program::subject::Subject;
+use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::property::Property;
 
 /// A published claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

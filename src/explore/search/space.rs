@@ -5,12 +5,12 @@
 
 use hashbrown::HashTable;
 
-use super::schedule::Move;
+use crate::explore::program::schedule::Move;
 
 /// Index of a state.
-pub(super) type StateId = u32;
+pub(in crate::explore) type StateId = u32;
 
-pub(super) struct Space {
+pub(in crate::explore) struct Space {
     words: Vec<u32>,
     /// Where each state ends in `words`.
     ends: Vec<usize>,
@@ -20,7 +20,7 @@ pub(super) struct Space {
 }
 
 impl Space {
-    pub(super) fn new() -> Self {
+    pub(in crate::explore) fn new() -> Self {
         Self {
             words: Vec::new(),
             ends: vec![0],
@@ -30,18 +30,23 @@ impl Space {
         }
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::explore) fn len(&self) -> usize {
         self.came.len()
     }
 
     #[inline]
-    pub(super) fn get(&self, state: StateId) -> &[u32] {
+    pub(in crate::explore) fn get(&self, state: StateId) -> &[u32] {
         &self.words[self.ends[state as usize]..self.ends[state as usize + 1]]
     }
 
     /// The state's index, and whether it is new.
     #[inline]
-    pub(super) fn insert(&mut self, state: &[u32], from: StateId, by: Move) -> (StateId, bool) {
+    pub(in crate::explore) fn insert(
+        &mut self,
+        state: &[u32],
+        from: StateId,
+        by: Move,
+    ) -> (StateId, bool) {
         let hash = hash(state);
         let (words, ends, hashes) = (&self.words, &self.ends, &self.hashes);
         let same = |&id: &StateId| {
@@ -61,7 +66,7 @@ impl Space {
     }
 
     /// The moves that first led to a state, as they were recorded.
-    pub(super) fn path(&self, state: StateId) -> Vec<Move> {
+    pub(in crate::explore) fn path(&self, state: StateId) -> Vec<Move> {
         let mut moves = Vec::new();
         let mut at = state;
         while at != 0 {

@@ -1,17 +1,22 @@
 //! Running a token again, and showing it: one column per invocation, the words that change, and the step after which
 //! the result could no longer be right.
 
-use super::case::{Case, Subject, Task};
-use super::exhaustive::Limits;
-use super::machine::Device;
-use super::property::Property;
-use super::run::{Event, Run, Runner, describe, label, run};
-use super::schedule::Move;
-use super::token::LitmusToken;
+pub mod run;
+pub mod token;
+
+use self::run::{Event, Run, Runner, describe, label, run};
+use self::token::LitmusToken;
+use super::program::case::Case;
+use super::program::machine::Device;
+use super::program::schedule::Move;
+use super::program::subject::Subject;
+use super::search::exhaustive::Limits;
+use super::search::property::Property;
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::memory::Address;
 use crate::memory::asked::Action;
+use crate::scheme::task::Task;
 
 /// A token's run.
 #[derive(Clone, Debug)]

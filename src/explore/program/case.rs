@@ -3,44 +3,15 @@
 use std::task::{Context, Poll, Waker};
 
 use super::litmus::Litmus;
-use crate::error::{Error, Result};
+use super::subject::Subject;
 use crate::exec::promise::Promise;
 use crate::exec::{Instance, Method};
 use crate::memory::asked::{Asked, Here, OpenBlock, Request, Site};
 use crate::memory::{Inputs, Numbering};
-use crate::scheme::{Contract, Held, Scheme};
-
-pub use crate::scheme::task::{Ended, Task};
-
-/// A method that can be explored: any but the oracle, which has no invocations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Subject {
-    /// The method.
-    pub method: Method,
-    /// What it promises.
-    pub contract: &'static Contract,
-}
+use crate::scheme::task::{Ended, Task};
+use crate::scheme::{Contract, Held};
 
 impl Subject {
-    /// A method.
-    ///
-    /// # Errors
-    /// It is the oracle: there are no invocations whose order could matter.
-    pub fn new(method: Method) -> Result<Self> {
-        if method.is_exact() {
-            let problem =
-                "is the sequential reference: it has no invocations whose order could matter";
-            return Err(Error::new(method.name(), problem));
-        }
-        Ok(Self { method, contract: method.contract() })
-    }
-
-    /// A scheme of one's own.
-    #[must_use]
-    pub fn of<S: Scheme>() -> Self {
-        Self { method: Method::of::<S>(), contract: &S::CONTRACT }
-    }
-
     /// A case of it.
     #[must_use]
     pub fn case(&self, litmus: &Litmus) -> Case {
@@ -55,17 +26,17 @@ impl Subject {
 
 /// One litmus pixel of one method.
 pub struct Case {
-    pub(super) method: Method,
-    pub(super) contract: &'static Contract,
-    pub(super) instance: Box<dyn Instance>,
-    pub(super) numbering: Numbering,
-    pub(super) inputs: Inputs,
-    pub(super) litmus: Litmus,
+    pub(in crate::explore) method: Method,
+    pub(in crate::explore) contract: &'static Contract,
+    pub(in crate::explore) instance: Box<dyn Instance>,
+    pub(in crate::explore) numbering: Numbering,
+    pub(in crate::explore) inputs: Inputs,
+    pub(in crate::explore) litmus: Litmus,
 }
 
 impl Case {
     /// What a pixel must hold, where room and arrival have no say; `None` if the method does not say.
-    pub(super) fn expected(&self, pixel: u32) -> Option<Held> {
+    pub(in crate::explore) fn expected(&self, pixel: u32) -> Option<Held> {
         let Self { method, contract, instance, inputs, litmus, .. } = self;
         let bound = contract.bound(litmus.k, instance.layout(), inputs, litmus.pixels);
         let promise = Promise::new(*method, Some(&**instance), inputs, bound);
@@ -73,7 +44,12 @@ impl Case {
     }
 
     /// Where a fresh invocation stands after these answers. With `lanes`, merges are questions too.
-    pub(super) fn follow(&self, task: Task, answers: &[Answer], lanes: bool) -> Standing {
+    pub(in crate::explore) fn follow(
+        &self,
+        task: Task,
+        answers: &[Answer],
+        lanes: bool,
+    ) -> Standing {
         let mem = Asked::new(&self.inputs, lanes);
         let next = follow(&*self.instance, &mem, task, answers);
         Standing { next, blocks: mem.blocks(), opened: mem.block_sites(), here: mem.here() }
@@ -82,7 +58,7 @@ impl Case {
 
 /// An answer to an invocation's question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Answer {
+pub(in crate::explore) enum Answer {
     /// The result of an operation, or leave to pass a merge.
     Value(u64),
     /// Try again.
@@ -91,19 +67,19 @@ pub(super) enum Answer {
 
 /// Where an invocation stands after some answers.
 #[derive(Clone, Debug)]
-pub(super) struct Standing {
-    pub(super) next: Next,
+pub(in crate::explore) struct Standing {
+    pub(in crate::explore) next: Next,
     /// Open blocks, outermost first.
-    pub(super) blocks: Vec<OpenBlock>,
+    pub(in crate::explore) blocks: Vec<OpenBlock>,
     /// Where blocks were opened so far.
-    pub(super) opened: Vec<Site>,
+    pub(in crate::explore) opened: Vec<Site>,
     /// What it says it depends on from here on.
-    pub(super) here: Option<Here>,
+    pub(in crate::explore) here: Option<Here>,
 }
 
 /// What comes next.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Next {
+pub(in crate::explore) enum Next {
     /// An operation or a merge.
     Ask(Request),
     /// Again what came after so many answers.

@@ -11,7 +11,7 @@
 
 use serde::Deserialize;
 
-use super::verdict::{Row, Verdict};
+use super::{Row, Verdict};
 use crate::error::{Error, Result};
 
 /// One expectation. Fields that are left out match anything.

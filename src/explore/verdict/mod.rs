@@ -1,5 +1,11 @@
 //! Verdicts: what a check found, with its bound.
 
+pub mod check;
+pub mod claims;
+pub mod expect;
+pub mod matrix;
+pub(super) mod sites;
+
 use serde::{Deserialize, Serialize};
 
 /// Three values, because a search that hit a bound has not verified anything.

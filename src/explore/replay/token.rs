@@ -9,12 +9,12 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::litmus::Litmus;
-use super::machine::{Device, MOST_INVOCATIONS};
-use super::model::{MemoryModel, Profile};
 use super::run::{Event, Run, describe};
-use super::schedule::{Move, Schedule};
 use crate::error::{Error, Result};
+use crate::explore::memory::model::{MemoryModel, Profile};
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::schedule::{Move, Schedule};
 use crate::scheme::hash::{MOST_AGES, Settings};
 
 /// The version of the format, and how a token begins.

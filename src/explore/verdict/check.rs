@@ -7,18 +7,18 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use super::case::Subject;
-use super::exhaustive::{self, Explored, Found, Limits};
-use super::litmus::{self, Family, Litmus};
-use super::machine::Device;
-use super::model::MemoryModel;
-use super::progress::{self, Lasso, Progress, Progressed};
-use super::property::Property;
-use super::run;
-use super::schedule::Move;
 use super::sites;
-use super::token::{LitmusToken, Token};
-use super::verdict::{Row, Verdict};
+use super::{Row, Verdict};
+use crate::explore::memory::model::MemoryModel;
+use crate::explore::program::litmus::{self, Family, Litmus};
+use crate::explore::program::machine::Device;
+use crate::explore::program::schedule::Move;
+use crate::explore::program::subject::Subject;
+use crate::explore::replay::run;
+use crate::explore::replay::token::{LitmusToken, Token};
+use crate::explore::search::exhaustive::{self, Explored, Found, Limits};
+use crate::explore::search::progress::{self, Lasso, Progress, Progressed};
+use crate::explore::search::property::Property;
 use crate::scheme::{Contract, Held};
 
 /// What to check, and how far.
@@ -45,7 +45,7 @@ impl Default for Plan {
             ks: vec![1, 2, 3],
             memory: vec![
                 MemoryModel::Sequential,
-                MemoryModel::Relaxed(super::model::Profile::Vulkan),
+                MemoryModel::Relaxed(crate::explore::memory::model::Profile::Vulkan),
             ],
             progress: None,
             simt: true,
@@ -210,6 +210,22 @@ impl Survey {
         row
     }
 
+    /// Explore one given instance, for one row per property.
+    #[must_use]
+    pub fn given(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limits<'_>) -> Self {
+        let explored = exhaustive::explore(&subject.case(litmus), device, limits);
+        let n = litmus.fragments.len() as u32;
+        let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
+        let given = Some(format!("these {n} fragments{k}"));
+        let explored = vec![(litmus.clone(), explored)];
+        // One pixel need not show all of the method: what it shows is only of these fragments.
+        let reached_elsewhere = sites::operations(subject.contract.source)
+            .into_keys()
+            .map(|(line, column)| ("", line, column))
+            .collect();
+        Self { subject: *subject, device, explored, planned: n, size: n, given, reached_elsewhere }
+    }
+
     /// Every result of the instances with exactly so many fragments, of distinct depths on one pixel, as one row each.
     #[must_use]
     pub fn outcomes(
@@ -228,7 +244,7 @@ impl Survey {
         let instances = litmus::of_size(subject, &family, n);
         let device = Device { memory, warp: None };
         let row = |litmus: Litmus| {
-            let survey = super::scene::survey(subject, &litmus, device, limits);
+            let survey = Self::given(subject, &litmus, device, limits);
             let explored = &survey.explored[0].1;
             let mut row = survey.blank(None);
             row.instance = litmus.describe();

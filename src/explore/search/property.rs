@@ -1,10 +1,10 @@
 //! What is checked.
 
-use super::case::Case;
-use super::forest::Fault;
-use super::litmus::Litmus;
-use super::machine::Final;
 use crate::exec::account::Judgement;
+use crate::explore::program::case::Case;
+use crate::explore::program::forest::Fault;
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::machine::Final;
 use crate::fragment::depth_of;
 use crate::scheme::contract::Keeps;
 use crate::scheme::visible::is_hidden;
@@ -65,7 +65,7 @@ impl Property {
 }
 
 impl Fault {
-    pub(super) fn property(self) -> Property {
+    pub(in crate::explore) fn property(self) -> Property {
         match self {
             Self::Outside => Property::Bounds,
             Self::ForeignLock | Self::KeepsLock => Property::MutualExclusion,
@@ -74,7 +74,7 @@ impl Fault {
         }
     }
 
-    pub(super) fn message(self) -> &'static str {
+    pub(in crate::explore) fn message(self) -> &'static str {
         match self {
             Self::Outside => "an access outside of the method's words",
             Self::ForeignLock => "a lock is freed by an invocation that does not hold it",
@@ -87,7 +87,7 @@ impl Fault {
 
 /// Whether several results are right: an instance without room for all that its contract wants to keep, where what is
 /// dropped depends on arrival, as the contract says; or a method that may cull what is hidden, and need not.
-pub(super) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
+pub(in crate::explore) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
     if contract.keeps == Keeps::Visible {
         return true;
     }
@@ -96,7 +96,7 @@ pub(super) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
 }
 
 /// What a finished run did wrong.
-pub(super) fn judge(case: &Case, run: &Final) -> Vec<(Property, String)> {
+pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, String)> {
     let (contract, litmus) = (case.contract, &case.litmus);
     let mut wrong = Vec::new();
     let mut judgement = Judgement::default();
@@ -217,7 +217,7 @@ fn keeps_of_table(
 }
 
 /// What every pixel must hold, where room and arrival have no say; `None` if the method does not say.
-pub(super) fn expected(case: &Case) -> Option<Vec<Held>> {
+pub(in crate::explore) fn expected(case: &Case) -> Option<Vec<Held>> {
     (0..case.litmus.pixels).map(|pixel| case.expected(pixel)).collect()
 }
 

@@ -7,13 +7,14 @@
 //! fair cycle refutes termination; stem and cycle together are the lasso. Progress is explored under sequential
 //! consistency.
 
-use super::case::{Case, Subject};
 use super::exhaustive::{Graph, Limits, graph};
-use super::litmus::Litmus;
-use super::machine::{Device, MOST_INVOCATIONS, Machine};
-use super::model::MemoryModel;
-use super::schedule::{Move, Schedule};
 use super::space::{Space, StateId};
+use crate::explore::memory::model::MemoryModel;
+use crate::explore::program::case::Case;
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::machine::{Device, MOST_INVOCATIONS, Machine};
+use crate::explore::program::schedule::{Move, Schedule};
+use crate::explore::program::subject::Subject;
 
 /// Whom a device guarantees to schedule again and again, as long as they have not ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -100,7 +101,11 @@ pub fn ends(
 }
 
 /// Whether an instance ends under every model; `None` if its graph was not completed.
-pub(super) fn explore(case: &Case, warp: Option<u32>, limits: &Limits<'_>) -> Option<Progressed> {
+pub(in crate::explore) fn explore(
+    case: &Case,
+    warp: Option<u32>,
+    limits: &Limits<'_>,
+) -> Option<Progressed> {
     let device = Device { memory: MemoryModel::Sequential, warp };
     let (graph, space, machine) = graph(case, device, limits)?;
     Some(Endings { graph, space, machine }.run())

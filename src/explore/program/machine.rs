@@ -9,18 +9,20 @@
 
 use std::collections::BTreeMap;
 
-use super::case::{Case, Ended, Task};
+use super::case::Case;
 use super::forest::{Fault, Forest, NodeId, Step};
 use super::litmus::{Litmus, Stage};
-use super::model::{self, Initial, MemoryModel, Model, Race};
 use super::schedule::Move;
+use crate::explore::memory;
+use crate::explore::memory::model::{self, Initial, MemoryModel, Model, Race};
 use crate::memory::asked::{Action, OpenBlock};
 use crate::memory::{Access, Address, Growing, Layout, Numbering, Order, Snapshot};
 use crate::scheme::course::{self, Course, Part};
+use crate::scheme::task::{Ended, Task};
 use crate::scheme::{Contract, Held, Moment, Outcome};
 
 /// The most invocations that a machine runs at once.
-pub(super) const MOST_INVOCATIONS: usize = 32;
+pub(in crate::explore) const MOST_INVOCATIONS: usize = 32;
 
 /// How invocations are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,15 +40,15 @@ const HELPER_RESULTS: usize = 4;
 const MOST_ROUNDS: u32 = 60;
 
 /// An instance, ready to run.
-pub(super) struct Machine<'a> {
-    pub(super) case: &'a Case,
-    pub(super) litmus: &'a Litmus,
-    pub(super) contract: &'a Contract,
-    pub(super) forest: Forest<'a>,
+pub(in crate::explore) struct Machine<'a> {
+    pub(in crate::explore) case: &'a Case,
+    pub(in crate::explore) litmus: &'a Litmus,
+    pub(in crate::explore) contract: &'a Contract,
+    pub(in crate::explore) forest: Forest<'a>,
     /// Those that are explored.
-    pub(super) stages: Vec<Stage>,
+    pub(in crate::explore) stages: Vec<Stage>,
     /// Invocations of every stage.
-    pub(super) width: usize,
+    pub(in crate::explore) width: usize,
     course: Course,
     /// Stages of the course before the first that is explored: what clears alone.
     before: usize,
@@ -91,13 +93,13 @@ impl At {
 
 /// What a move did.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moved {
+pub(in crate::explore) struct Moved {
     /// Where the invocation stands now.
-    pub(super) node: NodeId,
+    pub(in crate::explore) node: NodeId,
     /// The value read, or 0.
-    pub(super) result: u64,
-    pub(super) fault: Option<Fault>,
-    pub(super) race: Option<Race>,
+    pub(in crate::explore) result: u64,
+    pub(in crate::explore) fault: Option<Fault>,
+    pub(in crate::explore) race: Option<Race>,
 }
 
 /// How a finished run ended.
@@ -110,7 +112,7 @@ pub struct Final {
 }
 
 impl<'a> Machine<'a> {
-    pub(super) fn new(case: &'a Case, device: Device, progress: bool) -> Self {
+    pub(in crate::explore) fn new(case: &'a Case, device: Device, progress: bool) -> Self {
         let Case { contract, instance, numbering, litmus, .. } = case;
         let course = Course::of(&contract.program);
         let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
@@ -131,7 +133,7 @@ impl<'a> Machine<'a> {
         let mut forest = Forest::new(case, device.warp.is_some());
         let cleared = clear(&mut forest, &clearing, numbering);
         let candidates = litmus.candidates();
-        let model = model::make(device.memory, numbering, &cleared, &candidates, width);
+        let model = memory::make(device.memory, numbering, &cleared, &candidates, width);
         let several = stages.len() > 1 || contract.program.repeats;
         let stage_word = several.then_some(width + usize::from(progress));
         let head = width + usize::from(progress) + usize::from(several);
@@ -179,7 +181,7 @@ impl<'a> Machine<'a> {
 
     /// Encode the loaded memory behind a head, and begin the next stage if everybody has ended. What is wrong at a
     /// barrier within the program, if anything is.
-    pub(super) fn settle(&mut self, state: &mut Vec<u32>) -> Option<String> {
+    pub(in crate::explore) fn settle(&mut self, state: &mut Vec<u32>) -> Option<String> {
         let live = self.live(&state[..self.width]);
         self.model.store(live, state);
         if live == 0 { self.advance(state) } else { None }
@@ -227,62 +229,66 @@ impl<'a> Machine<'a> {
     }
 
     /// The stage of the loaded state.
-    pub(super) fn stage(&self) -> &Stage {
+    pub(in crate::explore) fn stage(&self) -> &Stage {
         &self.stages[self.at.stage as usize]
     }
 
     /// Its number.
     #[inline]
-    pub(super) fn stage_index(&self) -> usize {
+    pub(in crate::explore) fn stage_index(&self) -> usize {
         self.at.stage as usize
     }
 
     /// The number of the stage of the loaded state, counted over all rounds.
-    pub(super) fn stage_number(&self) -> usize {
+    pub(in crate::explore) fn stage_number(&self) -> usize {
         self.at.round as usize * self.stages.len() + self.at.stage as usize
     }
 
     /// Whether an invocation of the loaded state is a helper.
-    pub(super) fn is_helper(&self, invocation: usize) -> bool {
+    pub(in crate::explore) fn is_helper(&self, invocation: usize) -> bool {
         self.stage().is_helper(invocation)
     }
 
-    pub(super) fn initial(&self) -> &[u32] {
+    pub(in crate::explore) fn initial(&self) -> &[u32] {
         &self.initial
     }
 
     /// Words have one value at a time.
-    pub(super) fn is_sequential(&self) -> bool {
+    pub(in crate::explore) fn is_sequential(&self) -> bool {
         self.device.memory == MemoryModel::Sequential
     }
 
     /// Some operation was left out for want of room.
-    pub(super) fn is_full(&self) -> bool {
+    pub(in crate::explore) fn is_full(&self) -> bool {
         self.full || self.model.full()
     }
 
-    pub(super) fn head(&self) -> usize {
+    pub(in crate::explore) fn head(&self) -> usize {
         self.head
     }
 
-    pub(super) fn numbering(&self) -> &Numbering {
+    pub(in crate::explore) fn numbering(&self) -> &Numbering {
         &self.case.numbering
     }
 
     /// Bits of the invocations that have not ended.
-    pub(super) fn live(&self, nodes: &[NodeId]) -> u32 {
+    pub(in crate::explore) fn live(&self, nodes: &[NodeId]) -> u32 {
         let ended = |&node: &NodeId| matches!(self.forest.node(node).step, Step::Ended(_));
         let live = nodes.iter().enumerate().filter(|(_, node)| !ended(node));
         live.fold(0, |bits, (i, _)| bits | 1 << i)
     }
 
-    pub(super) fn load(&mut self, state: &[u32]) {
+    pub(in crate::explore) fn load(&mut self, state: &[u32]) {
         self.at = self.stage_word.map_or(At::default(), |word| At::unpack(state[word]));
         self.model.load(&state[self.head..]);
     }
 
     /// In how many ways the invocation can move from the loaded state; 0 if it cannot.
-    pub(super) fn alternatives(&mut self, nodes: &[NodeId], invocation: usize) -> usize {
+    pub(in crate::explore) fn alternatives(
+        &mut self,
+        nodes: &[NodeId],
+        invocation: usize,
+    ) -> usize {
         match self.forest.node(nodes[invocation]).step {
             Step::Ended(_) => 0,
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
@@ -293,13 +299,13 @@ impl<'a> Machine<'a> {
     }
 
     /// The locks that an invocation holds, one bit each. A helper holds none, whatever its updates returned.
-    pub(super) fn held(&self, nodes: &[NodeId], invocation: usize) -> u32 {
+    pub(in crate::explore) fn held(&self, nodes: &[NodeId], invocation: usize) -> u32 {
         let helps = self.is_helper(invocation);
         if helps { 0 } else { self.forest.node(nodes[invocation]).held }
     }
 
     /// Move an invocation; the model's state changes with it.
-    pub(super) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
+    pub(in crate::explore) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
         let (fault, step) = (self.forest.node(node).fault, self.forest.node(node).step);
         let invocation = usize::from(by.invocation);
         let (mut result, mut race, mut shrunk) = (0, None, false);
@@ -329,7 +335,7 @@ impl<'a> Machine<'a> {
     }
 
     /// Put an invocation where it stands after a move. Lanes that stand at the same merge leave it together.
-    pub(super) fn place(&mut self, nodes: &mut [NodeId], by: Move, node: NodeId) {
+    pub(in crate::explore) fn place(&mut self, nodes: &mut [NodeId], by: Move, node: NodeId) {
         let invocation = usize::from(by.invocation);
         let before = std::mem::replace(&mut nodes[invocation], node);
         let Some(warp) = self.device.warp else { return };
@@ -388,14 +394,14 @@ impl<'a> Machine<'a> {
     }
 
     /// What the method says of itself in the loaded state.
-    pub(super) fn invariant(&self, moment: Moment) -> Result<(), String> {
+    pub(in crate::explore) fn invariant(&self, moment: Moment) -> Result<(), String> {
         let value = |address: Address| self.model.settled(self.numbering().number(address));
         let words = Snapshot { value: &value };
         (0..self.litmus.pixels).try_for_each(|p| self.case.instance.invariant(&words, p, moment))
     }
 
     /// How the loaded state ends, all invocations having ended: the lists after resolve.
-    pub(super) fn finish(&mut self, nodes: &[NodeId]) -> Final {
+    pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Final {
         let (mut end, ..) = self.resolved(nodes);
         end.pixels.iter_mut().for_each(Held::sort);
         end

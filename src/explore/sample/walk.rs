@@ -1,12 +1,12 @@
 //! Single runs of a litmus pixel under a policy: for instances too large to explore, and to look at one schedule.
 
-use super::case::Case;
-use super::exhaustive::Limits;
-use super::machine::Device;
-use super::run::{Run, Runner};
-use super::schedule::{Move, Schedule};
 use crate::error::Result;
 use crate::exec::sim::policy::{self, Policy, Settings};
+use crate::explore::program::case::Case;
+use crate::explore::program::machine::Device;
+use crate::explore::program::schedule::{Move, Schedule};
+use crate::explore::replay::run::{Run, Runner};
+use crate::explore::search::exhaustive::Limits;
 use crate::num::random;
 
 /// Steps after which a run is given up: its schedule may never end.

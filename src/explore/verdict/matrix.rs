@@ -7,17 +7,17 @@
 
 use serde::Serialize;
 
-use super::case::Subject;
+use super::Verdict;
 use super::check::{self, Plan, Survey};
-use super::exhaustive::Limits;
-use super::litmus::Family;
-use super::machine::Device;
-use super::model::{MemoryModel, Profile};
-use super::property::Property;
-use super::verdict::Verdict;
 use crate::catalogue::Catalogue;
 use crate::catalogue::faults::MUTATIONS;
 use crate::error::{Error, Result};
+use crate::explore::memory::model::{MemoryModel, Profile};
+use crate::explore::program::litmus::Family;
+use crate::explore::program::machine::Device;
+use crate::explore::program::subject::Subject;
+use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::property::Property;
 use crate::scheme::contract::Form;
 
 /// What a check made of a variant.

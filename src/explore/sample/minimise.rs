@@ -4,18 +4,19 @@
 //! schedule is followed as far as it goes; moves of invocations that have ended are left out, and who is left over runs
 //! to its end in order.
 
-use super::case::{Case, Subject};
-use super::exhaustive::{self, Limits};
-use super::litmus::Litmus;
-use super::machine::{Device, MOST_INVOCATIONS};
-use super::model::MemoryModel;
-use super::property::Property;
-use super::run::{Run, Runner, run};
-use super::scene::litmus_of;
-use super::schedule::{Move, Schedule, switches};
-use super::token::LitmusToken;
+use super::pixel::litmus_of;
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
+use crate::explore::memory::model::MemoryModel;
+use crate::explore::program::case::Case;
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::schedule::{Move, Schedule, switches};
+use crate::explore::program::subject::Subject;
+use crate::explore::replay::run::{Run, Runner, run};
+use crate::explore::replay::token::LitmusToken;
+use crate::explore::search::exhaustive::{self, Limits};
+use crate::explore::search::property::Property;
 use crate::render::{Exec, Options, Sim, reference, render};
 use crate::resolve::Kept;
 use crate::scene::Scene;

@@ -4,14 +4,15 @@
 
 use std::collections::BTreeMap;
 
-use super::case::{Case, Task};
-use super::forest::NodeId;
-use super::litmus::Stage;
-use super::machine::{Device, Final, Machine, Moved};
-use super::model::MemoryModel;
 use super::property::{self, Property};
-use super::schedule::{Move, Schedule};
 use super::space::{Space, StateId};
+use crate::explore::memory::model::MemoryModel;
+use crate::explore::program::case::Case;
+use crate::explore::program::forest::NodeId;
+use crate::explore::program::litmus::Stage;
+use crate::explore::program::machine::{Device, Final, Machine, Moved};
+use crate::explore::program::schedule::{Move, Schedule};
+use crate::scheme::task::Task;
 use crate::scheme::{Held, Moment};
 
 /// When to stop.
@@ -65,25 +66,25 @@ pub struct Explored {
 
 /// The graph of states.
 #[derive(Default)]
-pub(super) struct Graph {
+pub(in crate::explore) struct Graph {
     /// Where each state's edges begin.
-    pub(super) first: Vec<usize>,
-    pub(super) targets: Vec<StateId>,
-    pub(super) movers: Vec<u8>,
+    pub(in crate::explore) first: Vec<usize>,
+    pub(in crate::explore) targets: Vec<StateId>,
+    pub(in crate::explore) movers: Vec<u8>,
 }
 
 impl Graph {
-    pub(super) fn edges(&self, state: usize) -> std::ops::Range<usize> {
+    pub(in crate::explore) fn edges(&self, state: usize) -> std::ops::Range<usize> {
         self.first[state]..self.first[state + 1]
     }
 
-    pub(super) fn states(&self) -> usize {
+    pub(in crate::explore) fn states(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
 }
 
 /// Explore one instance.
-pub(super) fn explore(case: &Case, device: Device, limits: &Limits<'_>) -> Explored {
+pub(in crate::explore) fn explore(case: &Case, device: Device, limits: &Limits<'_>) -> Explored {
     let machine = Machine::new(case, device, false);
     let groups = match device {
         Device { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
@@ -93,7 +94,7 @@ pub(super) fn explore(case: &Case, device: Device, limits: &Limits<'_>) -> Explo
 }
 
 /// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
-pub(super) fn graph<'a>(
+pub(in crate::explore) fn graph<'a>(
     case: &'a Case,
     device: Device,
     limits: &Limits<'_>,
@@ -428,7 +429,7 @@ fn executions(graph: &Graph) -> Option<u128> {
 #[cfg(test)]
 impl Graph {
     /// Of edges (state, mover, target), in the order of their states.
-    pub(super) fn of(states: usize, edges: &[(usize, u8, StateId)]) -> Self {
+    pub(in crate::explore) fn of(states: usize, edges: &[(usize, u8, StateId)]) -> Self {
         assert!(edges.is_sorted_by_key(|edge| edge.0));
         Self {
             first: (0..=states).map(|s| edges.partition_point(|edge| edge.0 < s)).collect(),

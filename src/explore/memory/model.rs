@@ -3,10 +3,8 @@
 //! A model keeps the words of one state, encoded as a slice that equals another's exactly when the states do. The
 //! explorer loads a state, performs one operation in one of its alternatives, and stores the state that follows.
 
-use super::relaxed::Relaxed;
-use super::sequential::Sequential;
 use crate::memory::asked::Action;
-use crate::memory::{Access, Numbering, Order};
+use crate::memory::{Access, Order};
 
 /// How memory behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -82,7 +80,7 @@ impl Profile {
     }
 
     /// What is left of an order, and whether a barrier stands before and after the operation.
-    pub(super) fn order(self, order: Order) -> (Order, Fences) {
+    pub(in crate::explore) fn order(self, order: Order) -> (Order, Fences) {
         let (before, after) = match order {
             Order::Relaxed => (false, false),
             Order::Acquire => (false, true),
@@ -97,34 +95,34 @@ impl Profile {
     }
 
     /// Whether a plain access that conflicts with an unordered one is a data race.
-    pub(super) fn has_races(self) -> bool {
+    pub(in crate::explore) fn has_races(self) -> bool {
         self != Self::Glsl
     }
 }
 
 /// Memory barriers around an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Fences {
-    pub(super) before: bool,
-    pub(super) after: bool,
+pub(in crate::explore) struct Fences {
+    pub(in crate::explore) before: bool,
+    pub(in crate::explore) after: bool,
 }
 
 /// Two unordered accesses of which one is a write and one is plain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Race {
+pub(in crate::explore) struct Race {
     /// The earlier one's invocation.
-    pub(super) other: usize,
+    pub(in crate::explore) other: usize,
     /// The word.
-    pub(super) cell: u32,
+    pub(in crate::explore) cell: u32,
     /// Whether the earlier access was a write.
-    pub(super) other_writes: bool,
+    pub(in crate::explore) other_writes: bool,
     /// Whether the earlier access was plain.
-    pub(super) other_plain: bool,
+    pub(in crate::explore) other_plain: bool,
 }
 
 /// A word's value in an initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Initial {
+pub(in crate::explore) enum Initial {
     /// As the clear pass left it.
     Written(u64),
     /// Anything: decided when it is first read.
@@ -132,7 +130,7 @@ pub(super) enum Initial {
 }
 
 /// The words of one state under a memory model.
-pub(super) trait Model {
+pub(in crate::explore) trait Model {
     /// Take up a state.
     fn load(&mut self, encoded: &[u32]);
 
@@ -160,29 +158,13 @@ pub(super) trait Model {
     fn settled(&self, cell: u32) -> Option<u64>;
 }
 
-/// Make the model's memory for some initial words. `candidates` are the values that an unwritten word is given.
-pub(super) fn make(
-    model: MemoryModel,
-    cells: &Numbering,
-    initial: &[Initial],
-    candidates: &[u64],
-    invocations: usize,
-) -> Box<dyn Model> {
-    match model {
-        MemoryModel::Sequential => Box::new(Sequential::new(cells, initial, candidates)),
-        MemoryModel::Relaxed(profile) => {
-            Box::new(Relaxed::new(cells, initial, candidates, invocations, profile))
-        }
-    }
-}
-
 /// A value cut to a word's width.
-pub(super) fn cut(value: u64, bits: u32) -> u64 {
+pub(in crate::explore) fn cut(value: u64, bits: u32) -> u64 {
     if bits == 32 { value & 0xFFFF_FFFF } else { value }
 }
 
 /// The order of an access, if it is atomic.
-pub(super) fn order_of(action: Action) -> Option<Order> {
+pub(in crate::explore) fn order_of(action: Action) -> Option<Order> {
     match action {
         Action::Read(Access::Atomic(order))
         | Action::Write(_, Access::Atomic(order))

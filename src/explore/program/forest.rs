@@ -8,19 +8,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::case::{Answer, Case, Ended, Next, Task};
+use super::case::{Answer, Case, Next};
 use crate::memory::asked::{Action, Here, OpenBlock, Request, Site};
 use crate::memory::{Address, Numbering, Update};
+use crate::scheme::task::{Ended, Task};
 
 /// Index of a node.
-pub(super) type NodeId = u32;
+pub(in crate::explore) type NodeId = u32;
 
 /// Nodes, and the answers that lead to each.
 type Paths = Vec<(NodeId, Vec<Answer>)>;
 
 /// What an invocation does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(in crate::explore) enum Step {
     /// An operation on a cell.
     Operation(u32, Action),
     /// Leave a block.
@@ -31,7 +32,7 @@ pub(super) enum Step {
 
 /// A fault that taking this step commits, whatever memory holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fault {
+pub(in crate::explore) enum Fault {
     /// The word does not exist.
     Outside,
     /// A lock is freed that the invocation does not hold.
@@ -45,24 +46,24 @@ pub(super) enum Fault {
 }
 
 #[derive(Debug)]
-pub(super) struct Node {
-    pub(super) step: Step,
+pub(in crate::explore) struct Node {
+    pub(in crate::explore) step: Step,
     /// From where in the source the step is taken.
-    pub(super) site: Option<Site>,
+    pub(in crate::explore) site: Option<Site>,
     /// Locks held before the step, one bit each.
-    pub(super) held: u32,
-    pub(super) fault: Option<Fault>,
+    pub(in crate::explore) held: u32,
+    pub(in crate::explore) fault: Option<Fault>,
     /// Index of the open blocks.
-    pub(super) blocks: u32,
+    pub(in crate::explore) blocks: u32,
     /// Whether this node repeats an attempt.
-    pub(super) waits: bool,
+    pub(in crate::explore) waits: bool,
     children: Vec<(u64, NodeId)>,
     parent: Option<(NodeId, u64)>,
     task: u32,
 }
 
 /// The trees of one instance's tasks.
-pub(super) struct Forest<'a> {
+pub(in crate::explore) struct Forest<'a> {
     case: &'a Case,
     lanes: bool,
     locks: Vec<u32>,
@@ -84,7 +85,7 @@ pub(super) struct Forest<'a> {
 }
 
 impl<'a> Forest<'a> {
-    pub(super) fn new(case: &'a Case, lanes: bool) -> Self {
+    pub(in crate::explore) fn new(case: &'a Case, lanes: bool) -> Self {
         let words = case.instance.layout().locks();
         let lock = |pixel, word| Address { pixel: Some(pixel), word, bits: 32 };
         let of_pixel = |p| words.iter().map(move |&word| case.numbering.number(lock(p, word)));
@@ -106,7 +107,7 @@ impl<'a> Forest<'a> {
     }
 
     /// The node at which an invocation of this task begins.
-    pub(super) fn root(&mut self, task: Task) -> NodeId {
+    pub(in crate::explore) fn root(&mut self, task: Task) -> NodeId {
         if let Some(known) = self.tasks.iter().position(|&t| t == task) {
             return self.roots[known];
         }
@@ -117,35 +118,35 @@ impl<'a> Forest<'a> {
     }
 
     #[inline]
-    pub(super) fn node(&self, node: NodeId) -> &Node {
+    pub(in crate::explore) fn node(&self, node: NodeId) -> &Node {
         &self.nodes[node as usize]
     }
 
-    pub(super) fn task(&self, node: NodeId) -> Task {
+    pub(in crate::explore) fn task(&self, node: NodeId) -> Task {
         self.tasks[self.node(node).task as usize]
     }
 
-    pub(super) fn ended(&self, end: u32) -> &Ended {
+    pub(in crate::explore) fn ended(&self, end: u32) -> &Ended {
         &self.ends[end as usize].0
     }
 
-    pub(super) fn stack(&self, node: NodeId) -> &[OpenBlock] {
+    pub(in crate::explore) fn stack(&self, node: NodeId) -> &[OpenBlock] {
         &self.stacks[self.node(node).blocks as usize]
     }
 
     /// Operations and blocks reached: file, line, column.
-    pub(super) fn sites(&self) -> &BTreeSet<(&'static str, u32, u32)> {
+    pub(in crate::explore) fn sites(&self) -> &BTreeSet<(&'static str, u32, u32)> {
         &self.sites
     }
 
     /// Waits that stand in no block: file and line.
-    pub(super) fn bare_waits(&self) -> &BTreeSet<(&'static str, u32)> {
+    pub(in crate::explore) fn bare_waits(&self) -> &BTreeSet<(&'static str, u32)> {
         &self.bare_waits
     }
 
     /// The node after a node's step gave `answer`.
     #[inline]
-    pub(super) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
+    pub(in crate::explore) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
         let children = &self.nodes[node as usize].children;
         match children.iter().find(|c| c.0 == answer) {
             Some(&(_, child)) => child,
@@ -311,7 +312,7 @@ impl<'a> Forest<'a> {
     /// Follow every edge that a wait closed, or that was led to a node that was there, on the unmerged invocation,
     /// through all that was explored below its target, and round and round the wait itself: what comes next must be the
     /// same. The number of comparisons, and the first that failed.
-    pub(super) fn check_claims(&self) -> std::result::Result<usize, String> {
+    pub(in crate::explore) fn check_claims(&self) -> std::result::Result<usize, String> {
         let mut compared = 0;
         let mut below: BTreeMap<NodeId, Paths> = BTreeMap::new();
         for &(from, answer) in &self.claims {

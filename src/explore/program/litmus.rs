@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Subject, Task};
+use super::subject::Subject;
 use crate::fragment::{Data, Fragment, key};
 use crate::memory::{Declared, Inputs, Layout, Per};
 use crate::num::depth::{FARTHEST, Format};
@@ -15,6 +15,7 @@ use crate::raster::Grid;
 use crate::scheme::contract::{Demand, Keeps, Kind};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::hash::{Offsets, Settings};
+use crate::scheme::task::Task;
 use crate::scheme::{Config, Contract};
 
 /// A small program: one store invocation per fragment.
@@ -136,7 +137,7 @@ impl Litmus {
     }
 
     /// The stages of the method's course, with the invocations that run in each at the same time.
-    pub(super) fn stages(
+    pub(in crate::explore) fn stages(
         &self,
         contract: &Contract,
         course: &Course,
@@ -197,7 +198,7 @@ impl Litmus {
     /// Values for words that nobody wrote: the ends of the range, and what could be mistaken for a fragment. A method
     /// that never reads such a word is explored only once, so these stand for arbitrary memory; one that does is
     /// explored with each of them, at each such word.
-    pub(super) fn candidates(&self) -> [u64; 3] {
+    pub(in crate::explore) fn candidates(&self) -> [u64; 3] {
         let middle = self.fragments().nth(self.fragments.len() / 2).map_or(1, Fragment::key);
         [0, middle, u64::MAX]
     }

@@ -1,0 +1,10 @@
+//! Whole scenes: runs of a scene on the simulated device, one pixel of it as a litmus pixel, and schedules cut down.
+
+mod executions;
+pub mod minimise;
+mod pixel;
+pub mod stability;
+mod walk;
+
+pub use self::executions::Executions;
+pub use self::pixel::{cut, litmus_of, sampled};

@@ -1,0 +1,121 @@
+//! One pixel of a scene as a litmus pixel, and random runs of one that is too large to explore.
+
+use super::walk::walk;
+use crate::error::{Error, Result};
+use crate::exec::sim::policy::{self, Settings};
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::subject::Subject;
+use crate::explore::search::exhaustive::{Found, Limits};
+use crate::explore::verdict::check::Survey;
+use crate::fragment::Fragment;
+use crate::raster::primitive::Rect;
+use crate::raster::{Batch, FrontEnd, Grid, Record};
+use crate::render::Options;
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+/// The fragments of one pixel in submission order, as a litmus pixel.
+///
+/// # Errors
+/// The pixel is outside of the picture, has no fragments, or too many to be explored.
+pub fn cut(
+    subject: &Subject,
+    scene: &Scene,
+    options: &Options,
+    [x, y]: [u32; 2],
+) -> Result<Litmus> {
+    let [width, height] = scene.size;
+    let wrong = |problem: String| Error::new("--pixel", problem);
+    if x >= width || y >= height {
+        return Err(wrong(format!("{x},{y} is outside of the picture of {width}x{height}")));
+    }
+    let grid = Grid { width, height, tile: options.tile };
+    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let fragments = pixel(&front, options.record(), [x, y]);
+    let most = MOST_INVOCATIONS - 4;
+    if fragments.is_empty() || fragments.len() > most {
+        let n = fragments.len();
+        let right = format!("1 to {most} can be explored; --executions samples the whole scene");
+        return Err(wrong(format!("{x},{y} has {n} fragments: {right}")));
+    }
+    Ok(litmus_of(&fragments, options.k.or(subject.contract.default_k)))
+}
+
+/// A litmus pixel of some fragments.
+#[must_use]
+pub fn litmus_of(fragments: &[Fragment], k: Option<u32>) -> Litmus {
+    Litmus {
+        pixels: 1,
+        k,
+        room: fragments.len() as u32,
+        fragments: fragments.iter().map(|f| (0, f.depth, f.data)).collect(),
+        helpers: 0,
+        table: None,
+        inputs: Vec::new(),
+    }
+}
+
+/// A pixel's fragments in submission order.
+fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
+    let window = Rect { x0: x, y0: y, x1: x + 1, y1: y + 1 };
+    let mut found = Vec::new();
+    let mut batch = Batch::default();
+    for primitive in 0..front.primitives().len() as u32 {
+        let mut packets = Vec::new();
+        front.primitive_packets(primitive, window, |packet| packets.push(packet));
+        for packet in packets {
+            front.fragments(packet, record, 0, &mut batch);
+            found.extend_from_slice(batch.fragments());
+        }
+    }
+    found
+}
+
+/// As [`Survey::given`]; where a bound keeps it from an answer, so many random runs look for a violation, which is then cut
+/// down. What they do not find stays unknown.
+///
+/// # Errors
+/// None that a random policy has.
+pub fn sampled(
+    subject: &Subject,
+    litmus: &Litmus,
+    device: Device,
+    runs: u64,
+    limits: &Limits<'_>,
+) -> Result<Survey> {
+    let mut survey = Survey::given(subject, litmus, device, limits);
+    let explored = &mut survey.explored[0].1;
+    if explored.complete {
+        return Ok(survey);
+    }
+    let case = subject.case(litmus);
+    let one = |seed: u64| {
+        let settings = Settings {
+            policy: policy::Kind::Random,
+            seed,
+            resident: MOST_INVOCATIONS,
+            record: false,
+            fingerprint: 0,
+            watch: None,
+            check: false,
+        };
+        walk(&case, device, &settings, limits)
+    };
+    let all: Vec<_> = (0..runs).into_par_iter().map(one).collect::<Result<_>>()?;
+    let mut ended = 0;
+    for (schedule, run) in all.into_iter().flatten() {
+        ended += 1;
+        for (property, message) in run.violations() {
+            let found = Found { message: message.clone(), schedule: schedule.clone() };
+            explored.violations.entry(*property).or_insert(found);
+        }
+        if let Some(end) = &run.end {
+            explored.outcomes.entry(end.pixels.clone()).or_insert(schedule);
+        }
+    }
+    if let Some(given) = &mut survey.given {
+        *given += &format!(", and {ended} random runs");
+    }
+    Ok(survey)
+}

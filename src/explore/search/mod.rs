@@ -1,0 +1,23 @@
+//! Searching a machine's states: for results that break a [`property`], and for invocations that never end.
+
+pub(super) mod exhaustive;
+pub mod progress;
+pub(super) mod property;
+pub(super) mod space;
+
+use super::program::{Device, Litmus, Subject};
+
+pub use self::exhaustive::{Explored, Found, Limits};
+pub use self::progress::Progress;
+pub use self::property::Property;
+
+/// Explore one instance of a method.
+#[must_use]
+pub fn explore(
+    subject: &Subject,
+    litmus: &Litmus,
+    device: Device,
+    limits: &Limits<'_>,
+) -> Explored {
+    exhaustive::explore(&subject.case(litmus), device, limits)
+}
