@@ -16,7 +16,7 @@ use fragloom::memory::exclusive::Exclusive;
 use fragloom::memory::native::Native;
 use fragloom::memory::{Inputs, Layout};
 use fragloom::num::random::Random;
-use fragloom::scheme::kplus_array::{Correct, KPlusArray};
+use fragloom::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray};
 use fragloom::scheme::{Config, Outcome, Scheme};
 use support::paired;
 

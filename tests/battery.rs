@@ -19,7 +19,7 @@ use fragloom::render::{Data, Exec, Kept, Lists, Options, Policy, Report, referen
 use fragloom::scene::Scene;
 use fragloom::scheme::Config;
 use fragloom::scheme::contract::{Contract, Demand, Form, Keeps};
-use fragloom::scheme::hash::Settings;
+use fragloom::scheme::hash_table::table::TableSettings;
 use support::{contract, draw, lists, method, options, policies, scene, sim, small_scenes};
 
 /// The methods that promise something, with a k that bites on the small scenes and one that does not.
@@ -278,7 +278,7 @@ fn told(k: u32) -> Config {
         bounded: 600,
         pages: 300,
         grid: Grid { width: 90, height: 100, tile: 16 },
-        hash: Settings { size: [96, 110], ..Settings::default() },
+        table: TableSettings { size: [96, 110], ..TableSettings::default() },
     }
 }
 
@@ -305,7 +305,7 @@ fn formula(text: &str, contract: &Contract, k: u32) -> u64 {
         'G' => blocks,
         'H' => blocks.div_ceil(64),
         'Q' => config.pages,
-        'C' => config.hash.cells(),
+        'C' => config.table.cells(),
         'B' => 12 * 13,
         other => panic!("{other} in {text}"),
     };

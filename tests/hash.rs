@@ -19,9 +19,9 @@ use fragloom::render::{
     Data, Effect, Exec, HashOptions, Lists, Offsets, Options, Policy, Rendering, Shadows, Sim,
 };
 use fragloom::scene::Scene;
-use fragloom::scheme::ha::{self, Bits32, Bits64, HaBuffer, Record};
-use fragloom::scheme::hash::Settings;
-use fragloom::scheme::hash_coherent::HashCoherent;
+use fragloom::scheme::hash_table::ha::{self, Bits32, Bits64, HaBuffer, Record};
+use fragloom::scheme::hash_table::hash_coherent::HashCoherent;
+use fragloom::scheme::hash_table::table::TableSettings;
 use fragloom::scheme::{Cells, Config, Keys, Outcome, Scheme};
 use proptest::prelude::*;
 use support::{draw, lists, options, scene, sim};
@@ -45,7 +45,7 @@ struct Book {
 }
 
 impl Book {
-    fn new(settings: &Settings) -> Self {
+    fn new(settings: &TableSettings) -> Self {
         let (cells, dropped) = (BTreeMap::new(), Vec::new());
         Self { size: settings.size, offsets: settings.offsets(), cells, dropped, duplicates: 0 }
     }
@@ -187,7 +187,7 @@ impl Case {
     }
 
     fn book(&self, rank: fn(u64) -> u64) -> Book {
-        let mut book = Book::new(&self.config.hash);
+        let mut book = Book::new(&self.config.table);
         for &(pixel, depth, data) in &self.fragments {
             book.insert(pixel, rank(key(depth, data)));
         }
@@ -216,12 +216,12 @@ fn cases(covers: bool) -> impl Strategy<Value = Case> {
             let size = [wide.min(64), (h + dy).min(64 / wide.min(64)).max(h.min(64 / wide))];
             let (w, h) = if covers { (w, h.min(size[1])) } else { (w, h) };
             let grid = Grid { width: w, height: h, tile: 16 };
-            let hash = Settings { size, ages, offsets, seed, ..Settings::default() };
+            let table = TableSettings { size, ages, offsets, seed, ..TableSettings::default() };
             let depth = prop_oneof![0u32..4, 0xFF_FFFEu32..=0xFF_FFFF, 0u32..=0xFF_FFFF];
             let fragment = ((0..w, 0..h), depth, 0u32..3);
             prop::collection::vec(fragment, 0..90).prop_map(move |fragments| {
                 let generated = fragments.len() as u64;
-                let config = Config { grid, hash, generated, ..Config::default() };
+                let config = Config { grid, table, generated, ..Config::default() };
                 Case { config, fragments, seed: order }
             })
         },
@@ -296,8 +296,8 @@ proptest! {
 #[test]
 fn narrow_tables_confuse_pixels() {
     let grid = Grid { width: 2, height: 1, tile: 16 };
-    let hash = Settings { size: [1, 4], ages: 4, ..Settings::default() };
-    let config = Config { grid, hash, generated: 2, ..Config::default() };
+    let table = TableSettings { size: [1, 4], ages: 4, ..TableSettings::default() };
+    let config = Config { grid, table, generated: 2, ..Config::default() };
     let case = Case { config, fragments: vec![((0, 0), 5, 1), ((1, 0), 7, 2)], seed: 0 };
     let ran = run::<HaBuffer<Bits64>>(&case.config, &case.fragments(), 0);
     assert_eq!(ran.lists[0], ran.lists[1], "both pixels see both fragments");
@@ -444,7 +444,7 @@ fn depths_alone_are_those_of_the_reference() {
 }
 
 /// The book's table for a scene's fragments.
-fn book_of(scene: &Scene, settings: &Settings) -> Book {
+fn book_of(scene: &Scene, settings: &TableSettings) -> Book {
     let exact = with("exact", Exec::Tile, Data::Primitive, HashOptions::default());
     let all = lists(scene, &exact);
     let mut book = Book::new(settings);
@@ -470,8 +470,11 @@ fn an_age_limit_and_a_full_table_lose_what_is_named() {
     for (hash, reason) in cases {
         let first = draw(&scene, &with("ha64", Exec::Tile, Data::Primitive, hash.clone()));
         let table = first.report.table.as_ref().expect("a table");
-        let settings =
-            Settings { size: [table.width, table.height], ages: hash.ages, ..Settings::default() };
+        let settings = TableSettings {
+            size: [table.width, table.height],
+            ages: hash.ages,
+            ..TableSettings::default()
+        };
         let book = book_of(&scene, &settings);
         assert!(!book.dropped.is_empty(), "{hash:?}");
         let named = BTreeMap::from([(reason.to_owned(), book.dropped.len() as u64)]);

@@ -18,18 +18,18 @@ use fragloom::fragment::{Data, Fragment};
 use fragloom::memory::{Access, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::raster::Grid;
 use fragloom::resolve::sort;
-use fragloom::scheme::ab_array::{AbArray, AtomicAdd, LoadStore};
-use fragloom::scheme::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
-use fragloom::scheme::ab_ll_paged::AbPagedList;
+use fragloom::scheme::a_buffer::ab_array::{AbArray, AtomicAdd, LoadStore};
+use fragloom::scheme::a_buffer::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
+use fragloom::scheme::a_buffer::ab_ll_paged::AbPagedList;
 use fragloom::scheme::contract::Kind;
-use fragloom::scheme::ha::{Bits32, Bits64, HaBuffer};
-use fragloom::scheme::hash::{Offsets, Settings};
-use fragloom::scheme::kb_ll::{self, KNearestList};
-use fragloom::scheme::kb_mdt64::KbMdt64;
-use fragloom::scheme::kplus_array::{Correct, KPlusArray, Variant, faults};
-use fragloom::scheme::kplus_heap::{self, KPlusHeap};
-use fragloom::scheme::lock::{FREE, SpinLock};
-use fragloom::scheme::z_buffer::{self, ZBuffer};
+use fragloom::scheme::hash_table::ha::{Bits32, Bits64, HaBuffer};
+use fragloom::scheme::hash_table::table::{Offsets, TableSettings};
+use fragloom::scheme::k_buffer::kb_ll::{self, KNearestList};
+use fragloom::scheme::k_buffer::kb_mdt64::KbMdt64;
+use fragloom::scheme::k_buffer::z_buffer::{self, ZBuffer};
+use fragloom::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray, Variant, faults};
+use fragloom::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
+use fragloom::scheme::parts::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
 use loom::sync::Arc;
 use loom_memory::{Loom, Storage};
@@ -327,9 +327,14 @@ fn a_list_by_compare_exchange_loses_nothing() {
 fn hashed(cells: u32, ages: u32) -> Config {
     let base = u64::from(cells);
     let seed = (0..ages).rev().fold(0, |seed, age| seed * base + u64::from(age) % base);
-    let hash =
-        Settings { size: [cells, 1], ages, offsets: Offsets::Digits, seed, ..Settings::default() };
-    Config { grid: Grid { width: 1, height: 1, tile: 16 }, hash, ..k(1) }
+    let table = TableSettings {
+        size: [cells, 1],
+        ages,
+        offsets: Offsets::Digits,
+        seed,
+        ..TableSettings::default()
+    };
+    Config { grid: Grid { width: 1, height: 1, tile: 16 }, table, ..k(1) }
 }
 
 #[test]
@@ -347,7 +352,7 @@ fn the_hash_table_loses_nothing() {
 
 #[test]
 fn faults_of_the_hash_table_are_caught() {
-    use fragloom::scheme::ha::faults;
+    use fragloom::scheme::hash_table::ha::faults;
     type Faulty<V> = HaBuffer<Bits64, V>;
     let groups: &[&[u32]] = &[&[5, 2], &[3]];
     is_caught("load-store", insertion::<Faulty<faults::LoadStore>>(hashed(4, 4), groups, 1));

@@ -12,7 +12,7 @@ use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::num::depth::FARTHEST;
 
-use fragloom::scheme::lock::{FREE, SpinLock};
+use fragloom::scheme::parts::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 fn subject(method: &str) -> Subject {

@@ -1,34 +1,34 @@
 //! The built-in methods, one line each.
 
 use crate::exec::Method;
-use crate::scheme::ab_array::{self, AbArray, AtomicAdd};
-use crate::scheme::ab_ll::{self, AbLinkedList};
-use crate::scheme::ab_ll_bucket::{self, AbBucketList};
-use crate::scheme::ab_ll_double::{self, AbDoubleList};
-use crate::scheme::ab_ll_paged::{self, AbPagedList};
-use crate::scheme::depth_peel::{self, DepthPeel};
-use crate::scheme::depth_peel_bucket::BucketPeel;
-use crate::scheme::depth_peel_dual::{self, DualPeel};
-use crate::scheme::dfb::DynamicFragmentBuffer;
-use crate::scheme::ha::{self, Bits32, Bits64, HaBuffer};
-use crate::scheme::ha_cull::{self, HaCull};
-use crate::scheme::hash_coherent::{self, HashCoherent};
-use crate::scheme::kb::KBuffer;
-use crate::scheme::kb_ab::{self, KbAb};
-use crate::scheme::kb_ll::{self, KNearestList};
-use crate::scheme::kb_mdt32::{self, KbMdt32};
-use crate::scheme::kb_mdt64::{self, KbMdt64};
-use crate::scheme::kb_multi::{self, KBufferMulti};
-use crate::scheme::kb_ps::{self, KbPixelSync};
-use crate::scheme::kb_sr::KbStencilRouted;
-use crate::scheme::kplus::KPlus;
-use crate::scheme::kplus_array::{Correct, KPlusArray, faults};
-use crate::scheme::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
-use crate::scheme::kplus_heap::{self, KPlusHeap};
-use crate::scheme::kplus_multi::{self, KPlusMulti};
-use crate::scheme::kplus_sb::{self, KPlusSb};
-use crate::scheme::s_buffer::{self, SBuffer};
-use crate::scheme::z_buffer::{self, ZBuffer};
+use crate::scheme::a_buffer::ab_array::{self, AbArray, AtomicAdd};
+use crate::scheme::a_buffer::ab_ll::{self, AbLinkedList};
+use crate::scheme::a_buffer::ab_ll_bucket::{self, AbBucketList};
+use crate::scheme::a_buffer::ab_ll_double::{self, AbDoubleList};
+use crate::scheme::a_buffer::ab_ll_paged::{self, AbPagedList};
+use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
+use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
+use crate::scheme::hash_table::ha::{self, Bits32, Bits64, HaBuffer};
+use crate::scheme::hash_table::ha_cull::{self, HaCull};
+use crate::scheme::hash_table::hash_coherent::{self, HashCoherent};
+use crate::scheme::k_buffer::kb::KBuffer;
+use crate::scheme::k_buffer::kb_ab::{self, KbAb};
+use crate::scheme::k_buffer::kb_ll::{self, KNearestList};
+use crate::scheme::k_buffer::kb_mdt32::{self, KbMdt32};
+use crate::scheme::k_buffer::kb_mdt64::{self, KbMdt64};
+use crate::scheme::k_buffer::kb_multi::{self, KBufferMulti};
+use crate::scheme::k_buffer::kb_ps::{self, KbPixelSync};
+use crate::scheme::k_buffer::kb_sr::KbStencilRouted;
+use crate::scheme::k_buffer::z_buffer::{self, ZBuffer};
+use crate::scheme::kplus_buffer::kplus::KPlus;
+use crate::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray, faults};
+use crate::scheme::kplus_buffer::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use crate::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
+use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
+use crate::scheme::kplus_buffer::kplus_sb::{self, KPlusSb};
+use crate::scheme::peeling::depth_peel::{self, DepthPeel};
+use crate::scheme::peeling::depth_peel_bucket::BucketPeel;
+use crate::scheme::peeling::depth_peel_dual::{self, DualPeel};
 
 macro_rules! catalogue {
     (methods { $($scheme:ty,)* } faults { $($fault:ty,)* }) => {

@@ -2,9 +2,10 @@
 
 use super::{Verdict, say};
 use crate::error::Result;
-use crate::gpu::device::{self, Device};
-use crate::gpu::failure::Failure;
-use crate::gpu::{open, raster};
+use crate::gpu::driver::device::{self, Device};
+use crate::gpu::driver::failure::Failure;
+use crate::gpu::driver::open;
+use crate::gpu::twin::raster;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 

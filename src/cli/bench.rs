@@ -249,11 +249,11 @@ mod devices {
     //! By turns with devices.
 
     use super::{Args, Exec, Method, Result, Row, Run, Scene, median, once, options, row};
-    use crate::gpu::band::Picture;
-    use crate::gpu::crosscheck::find;
-    use crate::gpu::failure::Failure;
-    use crate::gpu::open::Opened;
-    use crate::gpu::race::Contender;
+    use crate::gpu::check::band::Picture;
+    use crate::gpu::check::crosscheck::find;
+    use crate::gpu::check::race::Contender;
+    use crate::gpu::driver::failure::Failure;
+    use crate::gpu::driver::open::Opened;
 
     pub(super) fn rows(
         args: &Args,

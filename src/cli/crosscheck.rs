@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::gpu::band::Picture;
-use crate::gpu::compare::Differences;
-use crate::gpu::crosscheck::{self, Options, Path, Row, Status};
-use crate::gpu::device::Device;
-use crate::gpu::failure::Failure;
-use crate::gpu::open;
-use crate::gpu::source::Twin;
+use crate::gpu::check::band::Picture;
+use crate::gpu::check::compare::Differences;
+use crate::gpu::check::crosscheck::{self, Options, Path, Row, Status};
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::Failure;
+use crate::gpu::driver::open;
+use crate::gpu::twin::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene};
@@ -253,7 +253,7 @@ fn without_raster(
         size: scene.size,
         path: Path::Raster,
         sub_pixel_bits: bits,
-        differences: crate::gpu::compare::Differences::default(),
+        differences: crate::gpu::check::compare::Differences::default(),
         by_compute: 0,
         repeated: 0,
         status,

@@ -9,7 +9,7 @@
 //! nearest, and evicted (or culled) if it does not.
 
 use crate::scheme::Outcome;
-use crate::scheme::visible::is_hidden;
+use crate::scheme::parts::visible::is_hidden;
 
 /// Sums over pixels; each addition is exact, so their order does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,16 +8,6 @@
 //! What decides a compared bit is computed in integers on both sides. Floats carry vertices to the device's rasterizer,
 //! by a way that is exact.
 
-pub mod band;
-pub mod compare;
-pub mod conform;
-pub mod crosscheck;
-pub mod device;
-pub mod failure;
-pub mod open;
-pub mod program;
-pub mod race;
-pub mod raster;
-pub mod resolve;
-pub mod source;
-pub mod stress;
+pub mod check;
+pub mod driver;
+pub mod twin;

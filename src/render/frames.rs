@@ -11,7 +11,7 @@ use super::{Options, Rendering, render};
 use crate::error::{Error, Result};
 use crate::num::random;
 use crate::scene::{Bounds, Scene};
-use crate::scheme::hash::{MOST_CELLS, Offsets, size_for};
+use crate::scheme::hash_table::table::{MOST_CELLS, Offsets, size_for};
 
 /// Load, in per cent, from which a table grows.
 const GROWS_AT: u64 = 80;

@@ -34,7 +34,7 @@ pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
-pub use crate::scheme::hash::Offsets;
+pub use crate::scheme::hash_table::table::Offsets;
 pub use budget::{Budget, storage_bytes};
 pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
 pub use inputs::Given;
@@ -129,7 +129,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     }
     config.grid = grid;
     if contract.crosses {
-        config.hash = options.hash.settings(config.generated, scene.size)?;
+        config.table = options.hash.settings(config.generated, scene.size)?;
     }
     let k = config.k;
     let instance = method.instance(&config);

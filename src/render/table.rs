@@ -7,7 +7,9 @@ use crate::error::{Error, Result};
 use crate::exec::table::Table;
 use crate::resolve::digest::table_hash;
 use crate::scheme::Contract;
-use crate::scheme::hash::{DEFAULT_LOAD, MOST_AGES, MOST_CELLS, Offsets, Settings, size_for_load};
+use crate::scheme::hash_table::table::{
+    DEFAULT_LOAD, MOST_AGES, MOST_CELLS, Offsets, TableSettings, size_for_load,
+};
 
 /// How a hash table is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +72,7 @@ impl HashOptions {
     }
 
     /// What a scheme is configured with, for so many fragments.
-    pub(super) fn settings(&self, fragments: u64, image: [u32; 2]) -> Result<Settings> {
+    pub(super) fn settings(&self, fragments: u64, image: [u32; 2]) -> Result<TableSettings> {
         let size = self
             .size
             .unwrap_or_else(|| size_for_load(fragments, self.load.unwrap_or(DEFAULT_LOAD), image));
@@ -82,7 +84,7 @@ impl HashOptions {
             );
             return Err(Error::new("--table", problem));
         }
-        let settings = Settings {
+        let settings = TableSettings {
             size,
             ages: self.ages,
             offsets: self.offsets,

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::raster::Grid;
 use crate::render::storage_bytes;
 use crate::scheme::Config;
-use crate::scheme::hash::{Settings, size_for_load};
+use crate::scheme::hash_table::table::{TableSettings, size_for_load};
 
 /// Pixels on each side.
 const EDGE: u32 = 1_024;
@@ -132,14 +132,14 @@ impl Technique {
         if cells < u64::from(pixels) {
             size = [EDGE, cells.div_ceil(u64::from(EDGE)) as u32];
         }
-        let hash = Settings { size, ..Settings::default() };
+        let table = TableSettings { size, ..TableSettings::default() };
         Config {
             pixels,
             generated: fragments,
             bounded: fragments,
             pages,
             grid,
-            hash,
+            table,
             ..Config::default()
         }
     }

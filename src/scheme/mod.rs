@@ -1,4 +1,4 @@
-//! The multi-fragment schemes: one file per method, each written once for every memory.
+//! The multi-fragment schemes: a room per family, one file per method, each written once for every memory.
 //!
 //! A scheme is invocations on memory. It declares its words ([`Layout`]), and then says what one invocation of each
 //! pass does: [`Scheme::clear`] and [`Scheme::resolve`] once per pixel, [`Scheme::store`] once per fragment. Between
@@ -11,53 +11,18 @@
 //! store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks for it
 //! in [`Scheme::again`], as an application does that reads an occlusion query.
 
-pub mod ab_array;
-pub mod ab_ll;
-pub mod ab_ll_bucket;
-pub mod ab_ll_double;
-pub mod ab_ll_paged;
+pub mod a_buffer;
 pub mod bound;
 pub mod contract;
 pub mod course;
-pub mod depth_peel;
-pub mod depth_peel_bucket;
-pub mod depth_peel_dual;
-pub mod dfb;
-pub mod ends;
 pub mod exact;
-pub mod ha;
-pub mod ha_cull;
-#[cfg(test)]
-mod hand_made;
-pub mod hash;
-pub mod hash_coherent;
+pub mod hash_table;
 pub mod held;
-pub mod interlock;
-pub mod kb;
-pub mod kb_ab;
-pub mod kb_ll;
-pub mod kb_mdt32;
-pub mod kb_mdt64;
-pub mod kb_multi;
-pub mod kb_ps;
-pub mod kb_sr;
-pub mod kplus;
-pub mod kplus_array;
-pub mod kplus_array_published;
-pub mod kplus_heap;
-pub mod kplus_multi;
-pub mod kplus_sb;
-pub mod list;
-pub mod lock;
-pub mod max_array;
-pub mod max_heap;
-pub mod ranges;
-pub mod s_buffer;
-pub mod select;
-pub mod slots;
+pub mod k_buffer;
+pub mod kplus_buffer;
+pub mod parts;
+pub mod peeling;
 pub mod task;
-pub mod visible;
-pub mod z_buffer;
 
 use std::future::Future;
 
@@ -86,7 +51,7 @@ pub struct Config {
     /// How pixels are numbered, for methods that must know where on the screen they are.
     pub grid: Grid,
     /// How hash tables are made.
-    pub hash: hash::Settings,
+    pub table: hash_table::table::TableSettings,
 }
 
 /// What became of a fragment, as far as its own invocation can tell.

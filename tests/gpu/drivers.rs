@@ -2,18 +2,18 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use fragloom::gpu::band::{Expected, Lists, Picture};
-use fragloom::gpu::compare::{Downloaded, compare};
-use fragloom::gpu::conform::{self, conform};
-use fragloom::gpu::crosscheck::{self, Options, Path, Row, Status};
-use fragloom::gpu::device::{Device, adapters};
-use fragloom::gpu::failure::Failure;
-use fragloom::gpu::open::{Opened, devices};
-use fragloom::gpu::program::{Program, Shape, constants};
-use fragloom::gpu::raster::{Raster, Triangles};
-use fragloom::gpu::resolve::resolve;
-use fragloom::gpu::source::{self, Twin, twins};
-use fragloom::gpu::stress::{self, stress};
+use fragloom::gpu::check::band::{Expected, Lists, Picture};
+use fragloom::gpu::check::compare::{Downloaded, compare};
+use fragloom::gpu::check::conform::{self, conform};
+use fragloom::gpu::check::crosscheck::{self, Options, Path, Row, Status};
+use fragloom::gpu::check::stress::{self, stress};
+use fragloom::gpu::driver::device::{Device, adapters};
+use fragloom::gpu::driver::failure::Failure;
+use fragloom::gpu::driver::open::{Opened, devices};
+use fragloom::gpu::twin::program::{Program, Shape, constants};
+use fragloom::gpu::twin::raster::{Raster, Triangles};
+use fragloom::gpu::twin::resolve::resolve;
+use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
 
 use super::support::{contract, method, scene, small_scenes};

@@ -2,13 +2,13 @@
 
 use fragloom::exec::Method;
 use fragloom::fragment::Data;
-use fragloom::gpu::program::{Shape, constants};
-use fragloom::gpu::source::{self, Path, Twin, twins};
+use fragloom::gpu::twin::program::{Shape, constants};
+use fragloom::gpu::twin::source::{self, Path, Twin, twins};
 use fragloom::num::depth::Format;
 use fragloom::raster::{Grid, Record};
 use fragloom::scheme::Config;
 use fragloom::scheme::contract::Kind;
-use fragloom::scheme::hash::Settings;
+use fragloom::scheme::hash_table::table::TableSettings;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::support::method;
@@ -24,7 +24,7 @@ fn configs() -> Vec<Config> {
         bounded: generated,
         pages: generated.div_ceil(4),
         grid,
-        hash: Settings { size: [48, 48], ..Settings::default() },
+        table: TableSettings { size: [48, 48], ..TableSettings::default() },
     };
     vec![
         config(None, 1_000, 7),

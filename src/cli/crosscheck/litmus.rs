@@ -3,11 +3,11 @@
 use super::{Args, devices, status};
 use crate::cli::{Verdict, say, wait};
 use crate::error::{Error, Result};
-use crate::gpu::conform::{self, Conformance};
-use crate::gpu::crosscheck::Options;
-use crate::gpu::device::AdapterName;
-use crate::gpu::failure::Failure;
-use crate::gpu::stress::{self, Stressed};
+use crate::gpu::check::conform::{self, Conformance};
+use crate::gpu::check::crosscheck::Options;
+use crate::gpu::check::stress::{self, Stressed};
+use crate::gpu::driver::device::AdapterName;
+use crate::gpu::driver::failure::Failure;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 

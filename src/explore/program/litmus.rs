@@ -14,7 +14,7 @@ use crate::num::depth::{FARTHEST, Format};
 use crate::raster::Grid;
 use crate::scheme::contract::{Demand, Keeps, Kind};
 use crate::scheme::course::{Course, Part};
-use crate::scheme::hash::{Offsets, Settings};
+use crate::scheme::hash_table::table::{Offsets, TableSettings};
 use crate::scheme::task::Task;
 use crate::scheme::{Config, Contract};
 
@@ -32,7 +32,7 @@ pub struct Litmus {
     /// How many of the first fragments have a helper invocation beside them.
     pub helpers: u32,
     /// The hash table, for a method that has one.
-    pub table: Option<Settings>,
+    pub table: Option<TableSettings>,
     /// The words of the method's inputs, in the order of their declaration, each by pixel, data word or place in the
     /// frame. Words that are not here have the input's default.
     #[serde(skip)]
@@ -104,7 +104,7 @@ impl Litmus {
             bounded: bounded.min(room),
             pages: pages - short,
             grid: Grid { width: self.pixels, height: 1, tile: 16 },
-            hash: self.table.unwrap_or_default(),
+            table: self.table.unwrap_or_default(),
         }
     }
 
@@ -408,13 +408,13 @@ fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32
 
 /// Tables to try. With one or two fragments: of one to four cells, with all sequences of three offsets, and some of eight
 /// cells with seven ages; with three, every fifth of those; with more, one of one, two, four and eight cells each.
-fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<Settings> {
-    let table = |size, ages, seed| Settings {
+fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
+    let table = |size, ages, seed| TableSettings {
         size,
         ages,
         offsets: Offsets::Digits,
         seed,
-        ..Settings::default()
+        ..TableSettings::default()
     };
     // Ages one after another along a row of cells.
     let straight = |cells: u32, ages: u32| {

@@ -15,7 +15,7 @@ use crate::explore::memory::model::{MemoryModel, Profile};
 use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
 use crate::explore::program::schedule::{Move, Schedule};
-use crate::scheme::hash::{MOST_AGES, Settings};
+use crate::scheme::hash_table::table::{MOST_AGES, TableSettings};
 
 /// The version of the format, and how a token begins.
 const PREFIX: &str = "fl2-";
@@ -220,7 +220,7 @@ impl Token {
     fn check(&self) -> Result<()> {
         let Self::Litmus(token) = self else { return Ok(()) };
         let Litmus { pixels, fragments, room, helpers, k, table, .. } = &token.litmus;
-        let fits = |t: &Settings| t.cells() <= 64 && t.size[0] > 0 && t.size[1] > 0;
+        let fits = |t: &TableSettings| t.cells() <= 64 && t.size[0] > 0 && t.size[1] > 0;
         let moves = token.runs.iter().chain(&token.cycle).map(|run| u64::from(run.2)).sum::<u64>();
         let invocations = fragments.len() + *helpers as usize + 2 * *pixels as usize + 1;
         let small = invocations <= MOST_INVOCATIONS && (1..=8).contains(pixels);

@@ -7,7 +7,7 @@ use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Final;
 use crate::fragment::depth_of;
 use crate::scheme::contract::Keeps;
-use crate::scheme::visible::is_hidden;
+use crate::scheme::parts::visible::is_hidden;
 use crate::scheme::{Contract, Held, Outcome};
 
 /// A property of a method.

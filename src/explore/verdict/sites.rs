@@ -12,10 +12,10 @@ pub(super) type Place = (u32, u32);
 
 /// Parts that several methods share: a call of theirs is no operation, but has some.
 const SHARED: [&str; 4] = [
-    include_str!("../../scheme/ends.rs"),
-    include_str!("../../scheme/max_array.rs"),
-    include_str!("../../scheme/max_heap.rs"),
-    include_str!("../../scheme/ranges.rs"),
+    include_str!("../../scheme/parts/ends.rs"),
+    include_str!("../../scheme/parts/max_array.rs"),
+    include_str!("../../scheme/parts/max_heap.rs"),
+    include_str!("../../scheme/parts/ranges.rs"),
 ];
 
 /// The operations of a source, by place, with the called name.

@@ -1,0 +1,333 @@
+//! A scene, cut into bands of tile rows that a device has room for, with what every pixel of them must hold.
+
+use std::cell::RefCell;
+use std::ops::Range;
+use std::rc::Rc;
+
+use rayon::prelude::*;
+
+use crate::exec::Method;
+use crate::exec::promise::Promise;
+use crate::fragment::{Data, Fragment, data_of, depth_of, key};
+use crate::memory::Inputs;
+use crate::num::color::{srgb, word16};
+use crate::num::depth::Format;
+use crate::num::random::Random;
+use crate::raster::primitive::Rect;
+use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
+use crate::resolve::composite::Ray;
+use crate::scene::Scene;
+use crate::scheme::bound::Bound;
+use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
+use crate::scheme::{Config, exact};
+
+/// Tile edge: small, so that bands can be.
+const TILE: u32 = 16;
+
+/// Fragments of a band, unless one row of tiles has more.
+const FRAGMENTS: u64 = 1 << 23;
+
+/// What is stored for comparison: exact depths, and which triangle it is.
+const RECORD: Record = Record { depth: Format::D32, data: Data::Primitive };
+
+/// A scene, ready to be drawn by devices of the same sub-pixel precision.
+#[derive(Debug)]
+pub struct Picture {
+    /// Its primitives, with corners.
+    pub front: FrontEnd,
+    /// What lies behind, linear 16-bit.
+    pub background: [u16; 3],
+    /// What a device looks colours up in: the linear 16-bit values at which sRGB bytes begin, 256 of them; then a colour
+    /// for every triangle, its own at one of its pixels.
+    pub palette: Vec<u32>,
+    bands: Vec<Range<usize>>,
+}
+
+impl Picture {
+    /// Set a scene up.
+    #[must_use]
+    pub fn new(scene: &Scene, sub_pixel_bits: u32) -> Self {
+        let grid = Grid { width: scene.size[0], height: scene.size[1], tile: TILE };
+        let front = FrontEnd::outlined(scene, grid, sub_pixel_bits, CullFace::None);
+        let mut palette: Vec<u32> = vec![0; 256];
+        for linear in (1..=u16::MAX).filter(|&linear| srgb(linear) > srgb(linear - 1)) {
+            palette[usize::from(srgb(linear))] = linear.into();
+        }
+        palette.resize(256 + front.triangles as usize, 0);
+        for primitive in front.primitives() {
+            let (x, y) = (primitive.bounds.x0, primitive.bounds.y0);
+            let depth = primitive.plane.code(primitive.plane.at(x, y));
+            let color = front.color_of(primitive.triangle, x, y, depth);
+            palette[256 + primitive.triangle as usize] = color;
+        }
+        let bands = bands(&front);
+        Self { front, background: scene.background.map(word16), palette, bands }
+    }
+
+    /// The whole of it as one band.
+    #[must_use]
+    pub fn whole(&self) -> Band<'_> {
+        Band::new(self, 0..self.front.grid.tiles() / self.front.grid.columns().max(1) as usize)
+    }
+
+    /// Its bands, one after another: each is made when it is asked for.
+    pub fn bands(&self) -> impl Iterator<Item = Band<'_>> {
+        self.bands.iter().map(|rows| Band::new(self, rows.clone()))
+    }
+}
+
+/// Rows of tiles with at most [`FRAGMENTS`] fragments, but at least one row.
+fn bands(front: &FrontEnd) -> Vec<Range<usize>> {
+    let columns = front.grid.columns() as usize;
+    let rows: Vec<u64> =
+        front.count_fragments().chunks(columns).map(|row| row.iter().sum()).collect();
+    let mut bands: Vec<Range<usize>> = Vec::new();
+    let mut sum = 0;
+    for (row, &count) in rows.iter().enumerate() {
+        sum += count;
+        match bands.last_mut() {
+            Some(band) if sum <= FRAGMENTS => band.end = row + 1,
+            _ => {
+                bands.push(row..row + 1);
+                sum = count;
+            }
+        }
+    }
+    bands
+}
+
+/// Some rows of tiles: a picture of its own, as far as a method is concerned.
+#[derive(Clone, Debug)]
+pub struct Band<'p> {
+    /// Of this picture.
+    pub picture: &'p Picture,
+    /// Which rows of tiles.
+    pub rows: Range<usize>,
+    /// The band as a grid.
+    pub grid: Grid,
+    /// All fragments of every storage pixel, exact depth and triangle, sorted.
+    lists: Vec<Vec<u64>>,
+    /// What was asked for already.
+    answers: RefCell<Vec<(Question, Rc<Expected>)>>,
+}
+
+/// All that the right answer depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Question {
+    record: Record,
+    keeps: Keeps,
+    identical: bool,
+    k: Option<u32>,
+}
+
+impl<'p> Band<'p> {
+    fn new(picture: &'p Picture, rows: Range<usize>) -> Self {
+        let columns = picture.front.grid.columns() as usize;
+        let tiles = rows.start * columns..rows.end * columns;
+        let lists = tiles
+            .into_par_iter()
+            .map(|tile| exact::tile(&picture.front, tile, RECORD, None))
+            .flatten_iter()
+            .collect();
+        Self { picture, grid: grid(picture, &rows), rows, lists, answers: RefCell::default() }
+    }
+
+    /// Its first row of pixels.
+    #[must_use]
+    pub fn top(&self) -> u32 {
+        self.rows.start as u32 * TILE
+    }
+
+    /// The storage place in the picture of its first pixel.
+    #[must_use]
+    pub fn first_pixel(&self) -> u32 {
+        let columns = self.grid.columns() as usize;
+        (self.rows.start * columns * self.grid.pixels_per_tile()) as u32
+    }
+
+    /// Fragments generated in it.
+    #[must_use]
+    pub fn fragments(&self) -> u64 {
+        self.lists.iter().map(|list| list.len() as u64).sum()
+    }
+
+    /// Two halves, if it has more than one row of tiles.
+    #[must_use]
+    pub fn halves(&self) -> Option<[Self; 2]> {
+        let rows = self.rows.len();
+        if rows < 2 {
+            return None;
+        }
+        let middle = self.rows.start + rows / 2;
+        let first = rows / 2 * self.grid.columns() as usize * self.grid.pixels_per_tile();
+        let part = |rows: Range<usize>, lists: &[Vec<u64>]| Self {
+            picture: self.picture,
+            grid: grid(self.picture, &rows),
+            rows,
+            lists: lists.to_vec(),
+            answers: RefCell::default(),
+        };
+        Some([
+            part(self.rows.start..middle, &self.lists[..first]),
+            part(middle..self.rows.end, &self.lists[first..]),
+        ])
+    }
+
+    /// What a method is configured with, to draw the band.
+    #[must_use]
+    pub fn config(&self, contract: &Contract, k: Option<u32>) -> Config {
+        let k = k.or(contract.default_k);
+        let bound = k.filter(|_| contract.keeps == Keeps::Nearest).map(u64::from);
+        let counts = || self.lists.iter().map(|list| list.len() as u64);
+        let generated = counts().sum();
+        let size = size_for_load(generated, DEFAULT_LOAD, [self.grid.width, self.grid.height]);
+        Config {
+            k,
+            pixels: self.lists.len() as u32,
+            generated,
+            max_depth_complexity: counts().max().unwrap_or(0) as u32,
+            bounded: counts().map(|f| bound.map_or(f, |k| k.min(f))).sum(),
+            pages: counts().map(|f| f.div_ceil(contract.page.into())).sum(),
+            grid: self.grid,
+            table: TableSettings { size, ..TableSettings::default() },
+        }
+    }
+
+    /// The fragments as a method gets them, in the order of submission, or shuffled.
+    #[must_use]
+    pub fn stream(&self, record: Record, shuffle: Option<u64>) -> Vec<Fragment> {
+        let all = 0..self.picture.front.primitives().len() as u32;
+        let mut fragments = self.stream_of(record, all);
+        if let Some(seed) = shuffle {
+            Random::new(seed, self.rows.start as u64).shuffle(&mut fragments);
+        }
+        fragments
+    }
+
+    /// Those of some primitives.
+    #[must_use]
+    pub fn stream_of(
+        &self,
+        record: Record,
+        primitives: impl IntoIterator<Item = u32>,
+    ) -> Vec<Fragment> {
+        let front = &self.picture.front;
+        let (window, first) = (self.window(), self.first_pixel());
+        let (mut fragments, mut batch) = (Vec::new(), Batch::default());
+        for primitive in primitives {
+            front.primitive_packets(primitive, window, |packet| {
+                let place = front.grid.first_pixel(packet) - first;
+                front.fragments(packet, record, place, &mut batch);
+                fragments.extend_from_slice(batch.fragments());
+            });
+        }
+        fragments
+    }
+
+    /// Its pixels in the picture.
+    #[must_use]
+    pub fn window(&self) -> Rect {
+        let image = self.picture.front.grid.image();
+        let (y0, y1) = (self.top(), self.top() + self.grid.height);
+        Rect { y0, y1, ..image }
+    }
+
+    /// What must be in every pixel after resolve, and what was generated there.
+    #[must_use]
+    pub fn expected(&self, method: Method, record: Record, k: Option<u32>) -> Rc<Expected> {
+        let contract = method.contract();
+        let (keeps, identical) = (contract.keeps, contract.identical);
+        let question = Question { record, keeps, identical, k: k.or(contract.default_k) };
+        let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
+        if let Some((_, answer)) = known {
+            return answer;
+        }
+        let answer = Rc::new(answer(&self.lists, self.picture, method, question));
+        self.answers.borrow_mut().push((question, Rc::clone(&answer)));
+        answer
+    }
+}
+
+fn answer(lists: &[Vec<u64>], picture: &Picture, method: Method, question: Question) -> Expected {
+    let Question { record, k, .. } = question;
+    let (contract, inputs) = (method.contract(), Inputs::default());
+    let promise = Promise::new(method, None, &inputs, Bound::of(contract.reference_k(k)));
+    let named = record.data == Data::Primitive;
+    let word = |&exact: &u64| {
+        let data = if named { data_of(exact) } else { 0 };
+        key(record.depth.encode(depth_of(exact)), data)
+    };
+    let pixel = |list: &Vec<u64>| {
+        let mut generated: Vec<u64> = list.iter().map(word).collect();
+        generated.sort_unstable();
+        let held = promise.pixel(0, &generated);
+        let mut kept = held.and_then(|held| held.keys().map(<[u64]>::to_vec)).unwrap_or_default();
+        // Some of them, as many as there are slots.
+        if let (Keeps::FirstArrivals, Some(slots)) = (contract.keeps, k) {
+            kept.truncate(slots as usize);
+        }
+        (generated, kept)
+    };
+    let color = |list: &Vec<u64>| {
+        let mut ray = Ray::default();
+        for &key in list {
+            let data = data_of(key);
+            ray.over(if named { picture.palette[256 + data as usize] } else { data });
+        }
+        u32::from_le_bytes(ray.finish(picture.background))
+    };
+    let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().map(pixel).unzip();
+    let colors = kept.par_iter().map(color).collect();
+    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors }
+}
+
+fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
+    let whole = picture.front.grid;
+    let (top, bottom) = (rows.start as u32 * TILE, rows.end as u32 * TILE);
+    Grid { height: bottom.min(whole.height) - top, ..whole }
+}
+
+/// Records of every storage pixel, one after another.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lists {
+    /// Where each pixel's begin; one more than there are pixels.
+    pub starts: Vec<u32>,
+    /// All records.
+    pub keys: Vec<u64>,
+}
+
+impl Lists {
+    fn of(lists: &[Vec<u64>]) -> Self {
+        let mut starts = vec![0];
+        let mut keys = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+        for list in lists {
+            keys.extend_from_slice(list);
+            starts.push(keys.len() as u32);
+        }
+        Self { starts, keys }
+    }
+
+    /// A pixel's records.
+    #[must_use]
+    pub fn pixel(&self, pixel: usize) -> &[u64] {
+        &self.keys[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
+    }
+
+    /// Pixels.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.starts.len() - 1
+    }
+}
+
+/// What a method must give.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// What was generated, sorted.
+    pub generated: Lists,
+    /// What is kept of it, front to back.
+    pub kept: Lists,
+    /// The pixels' colours, sRGB RGBA8.
+    pub colors: Vec<u32>,
+}

@@ -1,0 +1,413 @@
+//! Twin conformance: invocations of litmus pixels one at a time, in every order, on the device and in the simulator; after
+//! each, all words are the same, and so is what the invocation said of its fragment. So a verdict about the one speaks
+//! for the other, as far as single invocations go.
+
+use serde::Serialize;
+use wgpu::{BufferUsages, ShaderStages};
+
+use crate::exec::Instance;
+use crate::exec::drive::{Outcomes, Pipeline};
+use crate::exec::interpret::Interpreted;
+use crate::explore::Subject;
+use crate::explore::program::litmus::{Family, Litmus, instances};
+use crate::fragment::{Data, Fragment};
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::program::{
+    Bound, Group, Pass, Program, Shape, WRITABLE, constants, group, words_of,
+};
+use crate::gpu::twin::source::Twin;
+use crate::memory::Inputs;
+use crate::memory::arena::{Owned, Shared};
+use crate::memory::exclusive::Exclusive;
+use crate::num::depth::Format;
+use crate::raster::Record;
+use crate::scheme::contract::{Contract, Kind};
+use crate::scheme::course::{Course, Part};
+use crate::scheme::{Config, Outcome};
+
+/// Room of a fragment in its buffer: what devices want offsets to be multiples of.
+const SLOT: u64 = 256;
+
+/// What was compared on a device, of one method.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Conformance {
+    /// The adapter.
+    pub adapter: String,
+    /// Its driver.
+    pub driver: String,
+    /// The method.
+    pub method: String,
+    /// Litmus pixels.
+    pub instances: u64,
+    /// Orders of their fragments.
+    pub orders: u64,
+    /// Steps after which all words were compared.
+    pub steps: u64,
+    /// Words compared.
+    pub words: u64,
+    /// What differs first, if anything does.
+    pub difference: Option<String>,
+    /// Why nothing could be compared.
+    pub unsupported: Option<String>,
+}
+
+/// How much to compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Fragments, from 1 up to this.
+    pub fragments: u32,
+    /// Different configurations: each is a program to compile.
+    pub programs: usize,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { fragments: 3, programs: 24 }
+    }
+}
+
+/// One step: what runs, and nothing else does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Clear,
+    Prepare(usize, usize),
+    Screen(usize, u32),
+    Frame(usize),
+    Store(usize),
+}
+
+fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
+    let of_part = |part: &Part| match *part {
+        Part::Clear => vec![Step::Clear],
+        Part::Resolve => Vec::new(),
+        Part::Pass(number) => match contract.program.passes[number].kind {
+            Kind::Prepare => order.iter().map(|&i| Step::Prepare(number, i)).collect(),
+            Kind::Screen => (0..pixels).map(|pixel| Step::Screen(number, pixel)).collect(),
+            Kind::Frame => vec![Step::Frame(number)],
+            Kind::Store => order.iter().map(|&i| Step::Store(i)).collect(),
+        },
+    };
+    Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
+}
+
+/// All words by binding, and what a store invocation said.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Seen {
+    words: [Vec<u8>; 4],
+    outcome: Option<u32>,
+}
+
+/// Runs the steps in the simulator.
+struct Host<'a> {
+    instance: &'a dyn Instance,
+    inputs: &'a Inputs,
+    pixels: u32,
+    fragments: &'a [Fragment],
+}
+
+impl Host<'_> {
+    fn run(&self, steps: &[Step]) -> Vec<Seen> {
+        let (layout, pixels) = (self.instance.layout(), self.pixels);
+        let interpreted = Interpreted { instance: self.instance, inputs: self.inputs };
+        let scheme: &dyn for<'m> Pipeline<Exclusive<'m, ()>> = match self.instance.compiled() {
+            Some(compiled) => compiled.exclusive(),
+            None => &interpreted,
+        };
+        let own = Owned::new(layout.per_pixel(), pixels as usize);
+        let shared = Shared::new(layout.per_frame(), 1);
+        let mem = Exclusive::new(&own, &shared, self.inputs, &());
+        let step = |step: &Step| {
+            let mut outcome = None;
+            match *step {
+                Step::Clear => {
+                    scheme.clear_frame(&mem);
+                    scheme.clear(&mem, 0..pixels);
+                }
+                Step::Prepare(pass, i) => scheme.prepare(&mem, pass, &self.fragments[i..=i]),
+                Step::Screen(pass, pixel) => scheme.screen(&mem, pass, pixel..pixel + 1),
+                Step::Frame(pass) => scheme.frame(&mem, pass, 0..scheme.invocations(pass)),
+                Step::Store(i) => {
+                    let mut outcomes: Outcomes = [Outcome::Kept; 64];
+                    scheme.store(&mem, &self.fragments[i..=i], &mut outcomes);
+                    outcome = Some(outcomes[0] as u32);
+                }
+            }
+            let ((p32, p64), (f32, f64)) = (own.all(), shared.all());
+            let words = [bytes(&p32), bytes(&p64), bytes(&f32), bytes(&f64)];
+            Seen { words, outcome }
+        };
+        steps.iter().map(step).collect()
+    }
+}
+
+fn bytes<T: bytemuck::NoUninit>(words: &[T]) -> Vec<u8> {
+    bytemuck::cast_slice(words).to_vec()
+}
+
+/// Compare a twin with its method.
+///
+/// # Errors
+/// The device is lost. What it cannot do is said in the result.
+pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformance> {
+    let subject = Subject::new(twin.method)?;
+    let mut sum = Conformance {
+        adapter: device.name.name.clone(),
+        driver: device.name.driver.clone(),
+        method: twin.method.name().to_owned(),
+        ..Conformance::default()
+    };
+    for (group, litmus) in programs(&subject, extent) {
+        let mut shape = Shape::new(twin.method, litmus.config(subject.contract))?;
+        shape.inputs = litmus.inputs(&shape.layout);
+        // What is stored is given, in the method's own format.
+        let record = Record { depth: Format::D32, data: Data::Color };
+        let constants = constants(&shape, record, [0; 3]);
+        match Program::new(device, twin, shape, constants) {
+            Ok(program) => {
+                let bench = Bench::new(&program)?;
+                for litmus in &group {
+                    bench.compare(litmus, &mut sum)?;
+                }
+            }
+            Err(Failure::Unsupported(why)) => {
+                sum.unsupported = Some(why);
+                break;
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(sum)
+}
+
+/// Litmus pixels by configuration and inputs, each group with its first one; of many, some, evenly chosen.
+fn programs(subject: &Subject, extent: Extent) -> Vec<(Vec<Litmus>, Litmus)> {
+    let family = Family { fragments: extent.fragments, ks: vec![1, 2, 3], helpers: 0 };
+    let mut programs: Vec<(Vec<Litmus>, Litmus)> = Vec::new();
+    let key = |litmus: &Litmus| (litmus.config(subject.contract), litmus.inputs.clone());
+    let mut keys: Vec<(Config, Vec<Vec<u32>>)> = Vec::new();
+    for litmus in instances(subject, &family) {
+        let own = key(&litmus);
+        match keys.iter().position(|known| *known == own) {
+            Some(known) => programs[known].0.push(litmus),
+            None => {
+                keys.push(own);
+                programs.push((vec![litmus.clone()], litmus));
+            }
+        }
+    }
+    let step = programs.len().div_ceil(extent.programs).max(1);
+    programs.into_iter().step_by(step).collect()
+}
+
+/// A program, with a slot for every fragment and its passes compiled.
+struct Bench<'a, 'd> {
+    program: &'a Program<'d>,
+    fragments: wgpu::Buffer,
+    slots: Vec<Group>,
+    store: Pass,
+    prepare: Option<Pass>,
+    clear: Vec<(Pass, u64)>,
+    screens: Vec<Pass>,
+    frames: Vec<Option<Pass>>,
+}
+
+/// The most fragments of a litmus pixel.
+const MOST: u64 = 8;
+
+impl<'a, 'd> Bench<'a, 'd> {
+    fn new(program: &'a Program<'d>) -> Result<Self> {
+        let device = program.device;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let fragments = device.buffer("fragments", SLOT * MOST, usage)?;
+        let slot = |i: u64| {
+            let part = Some((i * SLOT, 16));
+            let stages = ShaderStages::COMPUTE;
+            group(device, &[Bound { binding: 0, buffer: &fragments, part, kind: WRITABLE, stages }])
+        };
+        let slots: Vec<Group> = (0..MOST).map(slot).collect::<Result<_>>()?;
+        let geometry = |entry| program.pass(entry, Some(&slots[0].layout), &[]);
+        let twin = program.twin;
+        let pixels = program.shape.config.pixels;
+        let mut clear = Vec::new();
+        if twin.defines("clear_frame") {
+            clear.push((program.pass("clear_frame_pass", None, &[])?, 1));
+        }
+        clear.push((program.pass("clear_pass", None, &[])?, pixels.into()));
+        let mut screens = Vec::new();
+        if twin.defines("screen") {
+            for pixel in 0..pixels {
+                screens.push(program.pass("screen_pass", None, &[("ONLY", pixel.into())])?);
+            }
+        }
+        let mut frames = Vec::new();
+        for (number, pass) in program.shape.contract.program.passes.iter().enumerate() {
+            let frame = pass.kind == Kind::Frame;
+            frames.push(frame.then(|| program.frame_words(number)).transpose()?);
+        }
+        Ok(Self {
+            program,
+            store: geometry("store_pass")?,
+            prepare: twin.defines("prepare").then(|| geometry("prepare_pass")).transpose()?,
+            clear,
+            screens,
+            frames,
+            slots,
+            fragments,
+        })
+    }
+
+    fn compare(&self, litmus: &Litmus, sum: &mut Conformance) -> Result<()> {
+        let Shape { contract, config, ref inputs, .. } = self.program.shape;
+        let fragments: Vec<Fragment> = litmus.fragments().collect();
+        let orders: Vec<Vec<usize>> = permutations(fragments.len());
+        let runs: Vec<Vec<Step>> =
+            orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();
+        let Some(instance) = self.program.twin.method.instance(&config) else { return Ok(()) };
+        let (instance, pixels) = (&*instance, config.pixels);
+        let host = Host { instance, inputs, pixels, fragments: &fragments };
+        let right: Vec<Vec<Seen>> = runs.iter().map(|steps| host.run(steps)).collect();
+        let mut slots = vec![0u8; (SLOT * MOST) as usize];
+        for (i, fragment) in fragments.iter().enumerate() {
+            let at = i * SLOT as usize;
+            slots[at..at + 16].copy_from_slice(bytemuck::cast_slice(&words_of(fragment)));
+        }
+        self.program.device.queue.write_buffer(&self.fragments, 0, &slots);
+        let found = self.run(&runs)?;
+        sum.instances += 1;
+        sum.orders += orders.len() as u64;
+        for (order, (steps, (right, found))) in
+            orders.iter().zip(runs.iter().zip(right.iter().zip(&found)))
+        {
+            for (step, (right, found)) in steps.iter().zip(right.iter().zip(found)) {
+                sum.steps += 1;
+                sum.words += right.words.iter().map(|words| words.len() as u64 / 4).sum::<u64>();
+                if right != found && sum.difference.is_none() {
+                    let what = difference(right, found);
+                    sum.difference = Some(format!(
+                        "{}, order {order:?}, after {step:?}: {what}",
+                        litmus.describe()
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Run all orders on the device; all words after every step.
+    fn run(&self, runs: &[Vec<Step>]) -> Result<Vec<Vec<Seen>>> {
+        let (device, shape) = (self.program.device, &self.program.shape);
+        let sizes: [u64; 4] = std::array::from_fn(|binding| shape.bytes(binding as u32));
+        let size = sizes.iter().sum::<u64>() + 16;
+        let count: usize = runs.iter().map(Vec::len).sum();
+        let usage = BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let all = device.buffer("snapshots", size * count as u64, usage)?;
+        let mut encoder = device.encoder();
+        let mut at = 0;
+        for steps in runs {
+            for (_, buffer) in &self.program.words {
+                encoder.clear_buffer(buffer, 0, None);
+            }
+            for &step in steps {
+                self.step(&mut encoder, step);
+                for (binding, buffer) in &self.program.words {
+                    let bytes = sizes[*binding as usize];
+                    let offset = at + sizes[..*binding as usize].iter().sum::<u64>();
+                    if bytes > 0 {
+                        encoder.copy_buffer_to_buffer(buffer, 0, &all, offset, bytes);
+                    }
+                }
+                if let Step::Store(i) = step {
+                    let (from, to) = (i as u64 * SLOT, at + size - 16);
+                    encoder.copy_buffer_to_buffer(&self.fragments, from, &all, to, 16);
+                }
+                at += size;
+            }
+        }
+        device.submit(encoder)?;
+        let bytes = device.read(&all, size * count as u64)?;
+        let mut snapshots = bytes.chunks_exact(size as usize);
+        let mut seen = |step: &Step| {
+            let snapshot = snapshots.next().unwrap_or_default();
+            let mut rest = snapshot;
+            let words = sizes.map(|size| {
+                let (words, behind) = rest.split_at(size as usize);
+                rest = behind;
+                words.to_vec()
+            });
+            let outcome = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
+            let outcome = matches!(step, Step::Store(_)).then_some(outcome);
+            Seen { words, outcome }
+        };
+        Ok(runs.iter().map(|steps| steps.iter().map(&mut seen).collect()).collect())
+    }
+
+    fn step(&self, encoder: &mut wgpu::CommandEncoder, step: Step) {
+        let program = self.program;
+        let slot = |i: usize| Some(&self.slots[i].group);
+        match step {
+            Step::Clear => {
+                for (pass, invocations) in &self.clear {
+                    program.dispatch(encoder, pass, None, *invocations);
+                }
+            }
+            Step::Prepare(_, i) => {
+                if let Some(pass) = &self.prepare {
+                    program.dispatch(encoder, pass, slot(i), 1);
+                }
+            }
+            Step::Screen(_, pixel) => {
+                let pixels = program.shape.config.pixels.into();
+                program.dispatch(encoder, &self.screens[pixel as usize], None, pixels);
+            }
+            Step::Frame(number) => {
+                if let Some(pass) = &self.frames[number] {
+                    let invocations = program.shape.invocations[number];
+                    program.dispatch(encoder, pass, None, invocations.into());
+                }
+            }
+            Step::Store(i) => program.dispatch(encoder, &self.store, slot(i), 1),
+        }
+    }
+}
+
+fn difference(right: &Seen, found: &Seen) -> String {
+    const NAMES: [&str; 4] = ["pixels'", "pixels' 64-bit", "the frame's", "the frame's 64-bit"];
+    for (name, (right, found)) in NAMES.iter().zip(right.words.iter().zip(&found.words)) {
+        let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
+        let (right, found) = (words(right), words(found));
+        if let Some(at) = (0..right.len()).find(|&i| found.get(i) != right.get(i)) {
+            let found = found.get(at).copied().unwrap_or_default();
+            return format!("{name} words, [{at}] is {found:x} instead of {:x}", right[at]);
+        }
+    }
+    format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome)
+}
+
+/// All orders of so many things.
+fn permutations(n: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new()];
+    for i in 0..n {
+        let longer = |order: &Vec<usize>| {
+            let order = order.clone();
+            (0..=order.len()).map(move |place| {
+                let mut order = order.clone();
+                order.insert(place, i);
+                order
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn permutations_are_all_different() {
+        let all: std::collections::BTreeSet<_> = permutations(4).into_iter().collect();
+        assert_eq!(all.len(), 24);
+    }
+}

@@ -1,0 +1,300 @@
+//! Scenes on devices, against what must be there.
+
+use std::fmt;
+
+use super::band::{Band, Picture};
+use super::compare::{Differences, compare};
+use crate::error::{self, Error};
+use crate::exec::Method;
+use crate::fragment::Data;
+use crate::gpu::driver::device::{AdapterName, Device};
+use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::program::{Program, Shape, constants};
+use crate::gpu::twin::raster::{Raster, Triangles};
+use crate::gpu::twin::resolve::resolve;
+use crate::gpu::twin::source::{Twin, twin, twins};
+use crate::raster::Record;
+use crate::scene::Scene;
+use crate::scheme::contract::Contract;
+use serde::Serialize;
+
+/// How fragments come to the store pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Path {
+    /// The device rasterizes; a fragment shader stores.
+    Raster,
+    /// The simulator's own fragments are uploaded; a compute shader stores.
+    Compute,
+}
+
+impl Path {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Raster, Self::Compute];
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Raster => "raster",
+            Self::Compute => "compute",
+        })
+    }
+}
+
+/// What came of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// No difference.
+    Equal,
+    /// Differences; whether they are allowed is said in the reason.
+    Different,
+    /// The device cannot run it.
+    Unsupported,
+    /// The device began, and failed.
+    Failed,
+}
+
+/// One method on one device, over a whole scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Row {
+    /// The adapter.
+    pub adapter: String,
+    /// Its driver.
+    pub driver: String,
+    /// The method.
+    pub method: String,
+    /// The scene.
+    pub scene: String,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// How fragments came.
+    pub path: Path,
+    /// Sub-pixel bits that vertices were snapped to.
+    pub sub_pixel_bits: u32,
+    /// The counts.
+    #[serde(flatten)]
+    pub differences: Differences,
+    /// Fragments on the raster path that went the compute way.
+    pub by_compute: u64,
+    /// Invocations that gave up waiting for a lock, and were run again, the compute way.
+    pub repeated: u64,
+    /// Equal, different, unsupported or failed.
+    pub status: Status,
+    /// Why; or what equality does not prove.
+    pub reason: String,
+    /// A difference that the method's contract does not allow, or a failure.
+    #[serde(skip)]
+    pub is_finding: bool,
+}
+
+impl Row {
+    /// There was something to compare.
+    #[must_use]
+    pub fn is_compared(&self) -> bool {
+        matches!(self.status, Status::Equal | Status::Different)
+    }
+}
+
+/// What is to be compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The twins.
+    pub twins: Vec<Twin>,
+    /// `-k`.
+    pub k: Option<u32>,
+    /// Which paths.
+    pub paths: Vec<Path>,
+    /// The compute path's order: submission, or shuffled by this seed.
+    pub shuffle: Option<u64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { twins: twins(), k: None, paths: Path::ALL.to_vec(), shuffle: Some(0) }
+    }
+}
+
+/// The twin of a method.
+///
+/// # Errors
+/// It has none.
+pub fn find(method: Method) -> error::Result<Twin> {
+    twin(method).ok_or_else(|| {
+        let names: Vec<&str> = twins().iter().map(|twin| twin.method.name()).collect();
+        let problem = format!("{method} has no twin in WGSL; these have one: {}", names.join(", "));
+        Error::new("-m", problem)
+    })
+}
+
+/// What a method stores in comparisons: exact depths as far as its records have room, and triangles if they do.
+#[must_use]
+pub fn record(contract: &Contract) -> Record {
+    contract.record(None, Data::Primitive)
+}
+
+/// Draw a scene with every method on every path, and compare. Where the device is lost, the remaining rows say so.
+///
+pub fn run(
+    device: &Device,
+    scene: &Scene,
+    picture: &Picture,
+    sub_pixel_bits: u32,
+    options: &Options,
+) -> Vec<Row> {
+    let mut runs = Vec::new();
+    for &twin in &options.twins {
+        let contract = twin.method.contract();
+        runs.extend(options.paths.iter().map(|&path| Run {
+            device,
+            twin,
+            contract,
+            path,
+            k: options.k,
+            shuffle: options.shuffle,
+            sum: Differences::default(),
+            by_compute: 0,
+            repeated: 0,
+            failure: None,
+        }));
+    }
+    for band in picture.bands() {
+        runs.iter_mut().for_each(|run| run.band(&band));
+    }
+    let size = [picture.front.grid.width, picture.front.grid.height];
+    runs.iter().map(|run| run.row(&scene.name, size, sub_pixel_bits)).collect()
+}
+
+/// One method on one path, band by band.
+struct Run<'d> {
+    device: &'d Device,
+    twin: Twin,
+    contract: &'static Contract,
+    path: Path,
+    k: Option<u32>,
+    shuffle: Option<u64>,
+    sum: Differences,
+    by_compute: u64,
+    repeated: u64,
+    failure: Option<Failure>,
+}
+
+impl Run<'_> {
+    fn band(&mut self, band: &Band<'_>) {
+        if self.failure.is_some() {
+            return;
+        }
+        match self.draw(band) {
+            Ok((differences, by_compute, repeated)) => {
+                self.sum.add(&differences);
+                self.by_compute += by_compute;
+                self.repeated += repeated;
+            }
+            Err(failure @ (Failure::TooLarge(_) | Failure::OutOfMemory(_))) => {
+                match (band.halves(), failure) {
+                    (Some(halves), _) => halves.iter().for_each(|half| self.band(half)),
+                    (None, Failure::TooLarge(why)) => {
+                        let why = format!("one row of tiles has no room: {why}");
+                        self.failure = Some(Failure::Unsupported(why));
+                    }
+                    (None, failure) => self.failure = Some(failure),
+                }
+            }
+            Err(failure) => self.failure = Some(failure),
+        }
+    }
+
+    fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64, u64)> {
+        if self.device.is_lost() {
+            return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
+        }
+        let record = record(self.contract);
+        let shape = Shape::new(self.twin.method, band.config(self.contract, self.k))?;
+        if self.twin.needs_atomics64() && !self.device.atomics64 {
+            return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
+        }
+        shape.fits(self.device)?;
+        let constants = constants(&shape, record, band.picture.background);
+        let program = Program::new(self.device, self.twin, shape, constants)?;
+        let mut by_compute = 0;
+        match self.path {
+            Path::Compute => {
+                let fragments = band.stream(record, self.shuffle);
+                program.run(|function| program.compute(function, &fragments))?;
+            }
+            Path::Raster => {
+                let triangles = Triangles::new(band, record);
+                let raster = Raster::new(&program, band, &triangles)?;
+                program.run(|function| raster.draw(function))?;
+                by_compute = triangles.rest.len() as u64;
+            }
+        }
+        let expected = band.expected(self.twin.method, record, self.k);
+        let got = resolve(&program, &band.picture.palette, &expected.kept.starts)?;
+        let differences = compare(self.contract, self.k, &expected, &got);
+        Ok((differences, by_compute, program.again()))
+    }
+
+    fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Row {
+        let AdapterName { name, driver, .. } = self.device.name.clone();
+        let (status, is_finding, reason) = self.verdict();
+        Row {
+            adapter: name,
+            driver,
+            method: self.contract.name.to_owned(),
+            scene: scene.to_owned(),
+            size,
+            path: self.path,
+            sub_pixel_bits,
+            differences: self.sum,
+            by_compute: self.by_compute,
+            repeated: self.repeated,
+            status,
+            reason,
+            is_finding,
+        }
+    }
+
+    fn verdict(&self) -> (Status, bool, String) {
+        let sum = &self.sum;
+        if let Some(failure) = &self.failure {
+            return failed(failure);
+        }
+        if !sum.is_equal() {
+            if sum.not_allowed > 0 || !(self.contract.racy || self.contract.arrival_dependent) {
+                return (Status::Different, true, "not allowed by the contract".to_owned());
+            }
+            let [lost, duplicated, torn] = [sum.lost, sum.duplicated, sum.torn];
+            let why = if self.contract.right_depths {
+                "of equal depths any may stand"
+            } else if self.contract.racy {
+                "it races"
+            } else {
+                "it depends on arrival"
+            };
+            let reason =
+                format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
+            return (Status::Different, false, reason);
+        }
+        let reason = if self.contract.racy && self.path == Path::Raster {
+            "proves nothing about races: a driver may draw a tile in order, on one thread"
+        } else if self.contract.racy {
+            "this time; it races"
+        } else if !self.contract.is_within_wgsl() {
+            "not guaranteed by WGSL"
+        } else {
+            ""
+        };
+        (Status::Equal, false, reason.to_owned())
+    }
+}
+
+/// What a row says whose run ended early: its status, whether it is a finding, and the reason.
+#[must_use]
+pub fn failed(failure: &Failure) -> (Status, bool, String) {
+    match failure {
+        Failure::Unsupported(why) => (Status::Unsupported, false, why.clone()),
+        failure => (Status::Failed, true, failure.to_string()),
+    }
+}

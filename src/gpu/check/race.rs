@@ -1,0 +1,74 @@
+//! The same scheme on the simulator and on a device, by turns: clear, all geometry passes, resolve and composite, of the
+//! same fragments. What is set up once for a scene (triangles, buffers, pipelines) is not timed on either side, and
+//! neither is what is fetched or compared.
+
+use super::band::{Band, Picture};
+use super::crosscheck::record;
+use crate::exec::clock::Stopwatch;
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::Result;
+use crate::gpu::twin::program::{Program, Shape, constants};
+use crate::gpu::twin::raster::{Raster, Triangles};
+use crate::gpu::twin::resolve::Resolve;
+use crate::gpu::twin::source::Twin;
+
+/// A scene on a device, ready to be drawn again and again. It must fit the device at once.
+#[derive(Debug)]
+pub struct Contender<'d> {
+    band: Band<'d>,
+    triangles: Triangles,
+    program: Program<'d>,
+}
+
+impl<'d> Contender<'d> {
+    /// Set everything up.
+    ///
+    /// # Errors
+    /// The device lacks something, or the scene does not fit it at once.
+    pub fn new(
+        device: &'d Device,
+        picture: &'d Picture,
+        twin: Twin,
+        k: Option<u32>,
+    ) -> Result<Self> {
+        let contract = twin.method.contract();
+        let band = picture.whole();
+        let record = record(contract);
+        let shape = Shape::new(twin.method, band.config(contract, k))?;
+        let constants = constants(&shape, record, picture.background);
+        let program = Program::new(device, twin, shape, constants)?;
+        let triangles = Triangles::new(&band, record);
+        Ok(Self { band, triangles, program })
+    }
+
+    /// Seconds of `runs` frames, after one that is not timed.
+    ///
+    /// # Errors
+    /// Whatever the device says.
+    pub fn seconds(
+        &self,
+        k: Option<u32>,
+        runs: u32,
+        mut between: impl FnMut(),
+    ) -> Result<Vec<f64>> {
+        let contract = self.program.shape.contract;
+        let expected = self.band.expected(self.program.twin.method, record(contract), k);
+        let starts = &expected.kept.starts;
+        let raster = Raster::new(&self.program, &self.band, &self.triangles)?;
+        let resolve = Resolve::new(&self.program, &self.band.picture.palette, starts)?;
+        let frame = || {
+            self.program.run(|function| raster.draw(function))?;
+            resolve.run()
+        };
+        frame()?;
+        let mut seconds = Vec::new();
+        for _ in 0..runs {
+            between();
+            let mut watch = Stopwatch::start();
+            frame()?;
+            watch.lap("frame");
+            seconds.push(watch.seconds().values().sum());
+        }
+        Ok(seconds)
+    }
+}

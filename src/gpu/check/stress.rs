@@ -1,0 +1,270 @@
+//! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
+//! together or far apart; what comes out is counted against every outcome that the explorer finds.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::crosscheck::Status;
+use crate::explore::program::litmus::{Family, Litmus, instances};
+use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
+use crate::fragment::{Data, Fragment};
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::program::{Program, Shape, constants};
+use crate::gpu::twin::resolve::resolve;
+use crate::gpu::twin::source::Twin;
+use crate::num::depth::Format;
+use crate::num::random::Random;
+use crate::raster::{Grid, Record};
+use crate::scheme::contract::Contract;
+use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
+use crate::scheme::{Config, Held};
+
+/// Copies of a litmus pixel in one picture.
+const COPIES: u32 = 4_096;
+
+/// How a picture of copies is arranged in memory.
+const GRID: Grid = Grid { width: 64, height: 64, tile: 16 };
+
+/// States up to which an instance is explored.
+const STATES: usize = 2_000_000;
+
+/// How much to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Fragments of a pixel, from 2 up to this.
+    pub fragments: u32,
+    /// How often each instance is run, in each of three orders.
+    pub repeats: u64,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { fragments: 3, repeats: 4 }
+    }
+}
+
+/// What a method's litmus pixels gave on a device.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Stressed {
+    /// The adapter.
+    pub adapter: String,
+    /// Its driver.
+    pub driver: String,
+    /// The method.
+    pub method: String,
+    /// Litmus pixels.
+    pub instances: u64,
+    /// Litmus pixels that have too many states to be explored, and were not run.
+    pub unexplored: u64,
+    /// Copies run, in all.
+    pub runs: u64,
+    /// Outcomes that the explorer finds, over all instances.
+    pub possible: u64,
+    /// Those of them that were seen.
+    pub seen: u64,
+    /// Runs whose outcome is that of no interleaving, but which relaxed memory allows.
+    pub relaxed: u64,
+    /// Runs whose outcome nothing explains that was explored.
+    pub outside: u64,
+    /// The first of them: the litmus pixel, and what came out.
+    pub first_outside: Option<String>,
+    /// Equal: no run was outside.
+    pub status: Status,
+    /// Why not; or what it does not prove.
+    pub reason: String,
+}
+
+/// Run a twin's litmus pixels.
+///
+/// # Errors
+/// The device is lost. What it cannot do is said in the result.
+pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
+    let subject = Subject::new(twin.method)?;
+    let contract = subject.contract;
+    let mut sum = Stressed {
+        adapter: device.name.name.clone(),
+        driver: device.name.driver.clone(),
+        method: twin.method.name().to_owned(),
+        instances: 0,
+        unexplored: 0,
+        runs: 0,
+        possible: 0,
+        seen: 0,
+        relaxed: 0,
+        outside: 0,
+        first_outside: None,
+        status: Status::Equal,
+        reason: String::new(),
+    };
+    let family = Family { fragments: extent.fragments, ks: vec![1, 2], helpers: 0 };
+    let whole = |litmus: &Litmus| {
+        let n = litmus.fragments.len();
+        litmus.pixels == 1 && litmus.room as usize == n && n > 1
+    };
+    let device_model = explore::Device { memory: MemoryModel::Sequential, warp: None };
+    let limits = Limits { states: STATES, cancelled: &|| false };
+    let mut known = BTreeSet::new();
+    for litmus in instances(&subject, &family).into_iter().filter(whole) {
+        if contract.crosses && known.contains(&litmus.fragments) {
+            continue;
+        }
+        let explored = explore::explore(&subject, &litmus, device_model, &limits);
+        if !explored.complete {
+            sum.unexplored += 1;
+            continue;
+        }
+        let first = |pixels: &Vec<Held>| pixels[0].keys().unwrap_or_default().to_vec();
+        let mut tally: BTreeMap<Vec<u64>, u64> =
+            explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
+        if contract.crosses {
+            // Copies share one table, in which all find room: so must they in the table that is explored.
+            let mut all = litmus.generated(0);
+            contract.keep(&mut all, None);
+            if !tally.keys().eq([&all]) {
+                continue;
+            }
+            known.insert(litmus.fragments.clone());
+        }
+        sum.possible += tally.len() as u64;
+        match run(device, twin, contract, &litmus, extent, &mut tally) {
+            Ok(others) => sum.explain(&subject, &litmus, &others),
+            Err(Failure::Unsupported(why)) => {
+                sum.status = Status::Unsupported;
+                sum.reason = why;
+                return Ok(sum);
+            }
+            Err(failure) => return Err(failure),
+        }
+        sum.instances += 1;
+        sum.runs += 3 * extent.repeats * u64::from(COPIES);
+        sum.seen += tally.values().filter(|&&count| count > 0).count() as u64;
+    }
+    if sum.outside > 0 {
+        sum.status = Status::Different;
+        let first = sum.first_outside.clone().unwrap_or_default();
+        sum.reason = format!("{} runs that nothing explored explains, first {first}", sum.outside);
+    } else if sum.relaxed > 0 {
+        sum.status = Status::Different;
+        sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
+    } else {
+        let guaranteed = contract.is_within_wgsl();
+        let seen = sum.seen < sum.possible;
+        let reasons = [
+            (!guaranteed, "not guaranteed by WGSL"),
+            (seen, "not every outcome was seen: a device may run what it likes"),
+            (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
+        ];
+        let holding = reasons.iter().filter(|(holds, _)| *holds).map(|(_, why)| *why);
+        sum.reason = holding.collect::<Vec<_>>().join("; ");
+    }
+    Ok(sum)
+}
+
+impl Stressed {
+    /// Outcomes of no interleaving: those that relaxed memory allows, and the others.
+    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Vec<u64>, u64>) {
+        if others.is_empty() {
+            return;
+        }
+        let device = explore::Device { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
+        let limits = Limits { states: STATES, cancelled: &|| false };
+        let explored = explore::explore(subject, litmus, device, &limits);
+        for (keys, &count) in others {
+            if explored.outcomes.contains_key(&[Held::Keys(keys.clone())][..]) {
+                self.relaxed += count;
+                continue;
+            }
+            self.outside += count;
+            self.first_outside.get_or_insert_with(|| {
+                let more =
+                    if explored.complete { "" } else { " (relaxed memory: not all explored)" };
+                format!("{}: {keys:x?}{more}", litmus.describe())
+            });
+        }
+    }
+}
+
+/// Run an instance; what came out that is not in the tally.
+fn run(
+    device: &Device,
+    twin: Twin,
+    contract: &'static Contract,
+    litmus: &Litmus,
+    extent: Extent,
+    tally: &mut BTreeMap<Vec<u64>, u64>,
+) -> Result<BTreeMap<Vec<u64>, u64>> {
+    let one = litmus.config(contract);
+    let copies = u64::from(COPIES);
+    let config = Config {
+        pixels: COPIES,
+        generated: one.generated * copies,
+        bounded: one.bounded * copies,
+        pages: one.pages * copies,
+        grid: GRID,
+        table: TableSettings {
+            size: size_for_load(one.generated * copies, DEFAULT_LOAD, [GRID.width, GRID.height]),
+            ..TableSettings::default()
+        },
+        ..one
+    };
+    let shape = Shape::new(twin.method, config)?;
+    let record = Record { depth: Format::D32, data: Data::Color };
+    let constants = constants(&shape, record, [0; 3]);
+    let program = Program::new(device, twin, shape, constants)?;
+    let n = litmus.fragments.len() as u32;
+    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * n).collect();
+    let mut others = BTreeMap::new();
+    let mut fill = true;
+    for repeat in 0..extent.repeats {
+        for order in [Order::Together, Order::Apart, Order::Shuffled] {
+            let fragments = order.arrange(litmus, repeat);
+            // The explorer tries both, wherever a word is read that nobody wrote.
+            program.fill(if fill { 0 } else { u8::MAX });
+            fill = !fill;
+            program.run(|function| program.compute(function, &fragments))?;
+            let got = resolve(&program, &[0; 256], &starts)?;
+            for pixel in 0..COPIES as usize {
+                let found = got.pixel(pixel);
+                match tally.get_mut(found).filter(|_| got.counts[pixel] <= n) {
+                    Some(count) => *count += 1,
+                    None => *others.entry(found.to_vec()).or_default() += 1,
+                }
+            }
+        }
+    }
+    Ok(others)
+}
+
+/// Where the fragments of a pixel stand among all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// In neighbouring lanes.
+    Together,
+    /// In different workgroups.
+    Apart,
+    /// Anywhere.
+    Shuffled,
+}
+
+impl Order {
+    fn arrange(self, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
+        let own: Vec<Fragment> = litmus.fragments().collect();
+        let on = |pixel: u32| move |f: &Fragment| Fragment { pixel, ..*f };
+        let mut all: Vec<Fragment> = match self {
+            Self::Apart => {
+                own.iter().flat_map(|f| (0..COPIES).map(move |pixel| on(pixel)(f))).collect()
+            }
+            _ => (0..COPIES).flat_map(|pixel| own.iter().map(on(pixel))).collect(),
+        };
+        let mut random = Random::new(seed, 0);
+        match self {
+            // Also in other orders than that of the litmus pixel.
+            Self::Together => all.chunks_mut(own.len()).for_each(|own| random.shuffle(own)),
+            Self::Apart => random.shuffle(&mut all[..COPIES as usize]),
+            Self::Shuffled => random.shuffle(&mut all),
+        }
+        all
+    }
+}

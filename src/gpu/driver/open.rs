@@ -1,0 +1,107 @@
+//! Which devices take part, and what their rasterizers are like.
+
+use super::device::{self, Device};
+use super::failure::Failure;
+use crate::error::{Error, Result};
+use crate::gpu::check::crosscheck::{Options, Path};
+use crate::gpu::twin::raster;
+
+/// An open device, and the sub-pixel bits that were measured on it.
+#[derive(Debug)]
+pub struct Opened {
+    /// The device.
+    pub device: Device,
+    measured: std::result::Result<u32, Failure>,
+}
+
+impl Opened {
+    /// The precision that vertices are snapped to for this device: the largest of ours that it has.
+    #[must_use]
+    pub fn bits(&self) -> u32 {
+        match self.measured {
+            Ok(bits) if bits < 8 => 4,
+            _ => 8,
+        }
+    }
+
+    /// Why the raster path is out of question, if it is and was asked for.
+    #[must_use]
+    pub fn no_raster(&self, options: &Options) -> Option<Failure> {
+        if !options.paths.contains(&Path::Raster) {
+            return None;
+        }
+        match &self.measured {
+            Ok(bits) if *bits >= 4 => None,
+            Ok(bits) => {
+                let why = format!("vertices have {bits} sub-pixel bits, at least 4 are needed");
+                Some(Failure::Unsupported(why))
+            }
+            Err(failure) => Some(failure.clone()),
+        }
+    }
+
+    /// The options without what the device cannot do at all.
+    #[must_use]
+    pub fn paths(&self, options: &Options) -> Options {
+        let mut options = options.clone();
+        if self.no_raster(&options).is_some() {
+            options.paths.retain(|&path| path != Path::Raster);
+        }
+        options
+    }
+}
+
+/// The devices that take part, and the adapters that could not be opened.
+#[derive(Debug, Default)]
+pub struct Devices {
+    /// Those that take part, at least one.
+    pub opened: Vec<Opened>,
+    /// Adapters that refused, and why.
+    pub refused: Vec<String>,
+}
+
+/// Open all adapters, or those whose name or driver contains `wanted`. Of adapters with the same name and driver, the
+/// second is called `NAME (2)`, and so on.
+///
+/// # Errors
+/// There is none, or none can be opened, and what would help.
+pub fn devices(wanted: Option<&str>) -> Result<Devices> {
+    let mut found = Devices::default();
+    let mut names = Vec::new();
+    for adapter in device::adapters() {
+        let mut name = device::name(&adapter);
+        let text = format!("{} {}", name.name, name.driver).to_lowercase();
+        if wanted.is_some_and(|wanted| !text.contains(&wanted.to_lowercase())) {
+            continue;
+        }
+        names.push(text.clone());
+        let same = names.iter().filter(|&other| *other == text).count();
+        if same > 1 {
+            name.name += &format!(" ({same})");
+        }
+        match Device::open(&adapter) {
+            Ok(mut device) => {
+                device.name = name;
+                let measured = raster::sub_pixel_bits(&device);
+                found.opened.push(Opened { device, measured });
+            }
+            Err(failure) => found.refused.push(format!("{}: {failure}", name.name)),
+        }
+    }
+    match (found.opened.is_empty(), found.refused.first()) {
+        (false, _) => Ok(found),
+        (true, Some(refused)) => Err(Error::new("--adapter", refused.clone())),
+        (true, None) => Err(none(wanted)),
+    }
+}
+
+/// What to say where there is no adapter.
+#[must_use]
+pub fn none(wanted: Option<&str>) -> Error {
+    let help = "install a Vulkan driver: on Debian, mesa-vulkan-drivers (lavapipe), or chromium-common (SwiftShader; \
+                VK_ADD_DRIVER_FILES=/usr/lib/chromium/vk_swiftshader_icd.json lets the loader find it)";
+    match wanted {
+        Some(wanted) => Error::new("--adapter", format!("there is none called '{wanted}'; {help}")),
+        None => Error::new("--adapter", format!("there is none; {help}")),
+    }
+}

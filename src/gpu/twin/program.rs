@@ -1,0 +1,533 @@
+//! A method's passes on a device, with its words in buffers whose layout is the simulator's.
+
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+
+use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
+
+use super::source::{Constants, Path, Twin};
+use crate::error;
+use crate::exec::Method;
+use crate::fragment::{Data, Fragment};
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::{Failure, Result};
+use crate::memory::{Inputs, Layout};
+use crate::num::depth::Format;
+use crate::raster::Record;
+use crate::scheme::Config;
+use crate::scheme::contract::{Contract, Kind};
+use crate::scheme::course::{Course, Part};
+
+/// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
+const WORKGROUP: u64 = 64;
+const ROW: u64 = 32_768;
+
+/// Fragments of one submission on the compute path.
+pub const CHUNK: usize = 1 << 20;
+
+/// How often an invocation is run that gives up waiting.
+const PATIENCE: u32 = 1_000;
+
+/// What an invocation says that gave up (`shared/fragment.wgsl`).
+const STUCK: u32 = 7;
+
+/// Room that every buffer of words has beyond them: a struct in WGSL ends with an array of at least one element.
+const SPARE: u64 = 64;
+
+/// The binding of the first group that has the words of all inputs, one after another.
+const INPUTS: u32 = 5;
+
+/// What a method's type says: its words, and how many invocations its passes over the frame have.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its contract.
+    pub contract: &'static Contract,
+    /// What it is configured with.
+    pub config: Config,
+    /// Its words.
+    pub layout: Layout,
+    /// By pass of the program.
+    pub invocations: Vec<u32>,
+    /// The words of its inputs; their defaults, unless somebody fills them.
+    pub inputs: Inputs,
+}
+
+impl Shape {
+    /// Of a method with a configuration.
+    ///
+    /// # Errors
+    /// It is the oracle, which has no passes.
+    pub fn new(method: Method, config: Config) -> error::Result<Self> {
+        let contract = method.contract();
+        let instance = method.instance(&config).ok_or_else(|| {
+            error::Error::new("-m", format!("{method} is sequential: it has no passes"))
+        })?;
+        let passes = 0..contract.program.passes.len();
+        let invocations = passes.map(|pass| instance.invocations(pass)).collect();
+        let layout = instance.layout().clone();
+        let inputs = Inputs::defaults(&layout);
+        Ok(Self { contract, config, layout, invocations, inputs })
+    }
+
+    /// The words of all inputs, one after another.
+    fn input_words(&self) -> Vec<u32> {
+        self.inputs.tables(&self.layout, self.config.pixels).concat()
+    }
+
+    /// Bytes of a binding of the first group: 32 and 64-bit words of pixels, then of the frame.
+    #[must_use]
+    pub fn bytes(&self, binding: u32) -> u64 {
+        let (pixel, frame) = (self.layout.per_pixel(), self.layout.per_frame());
+        let pixels = u64::from(self.config.pixels);
+        match binding {
+            0 => 4 * pixel.words32 * pixels,
+            1 => 8 * pixel.words64 * pixels,
+            2 => 4 * frame.words32,
+            _ => 8 * frame.words64,
+        }
+    }
+
+    /// Whether a device has room for every buffer of words.
+    ///
+    /// # Errors
+    /// The first that is too large.
+    pub fn fits(&self, device: &Device) -> Result<()> {
+        for binding in 0..4 {
+            let (bytes, most) = (self.bytes(binding) + SPARE, device.largest());
+            if bytes > most {
+                let name = self.contract.name;
+                let problem = format!("{name} needs a buffer of {bytes} bytes, at most {most}");
+                return Err(Failure::TooLarge(problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What stands before a twin.
+#[must_use]
+pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constants {
+    let config = &shape.config;
+    let (grid, table) = (config.grid, config.table);
+    let pixels = u64::from(config.pixels);
+    let blocks = pixels.div_ceil(64).max(1);
+    let slots = config.k.unwrap_or(config.max_depth_complexity);
+    let [red, green, blue] = background.map(u64::from);
+    let (mut constants, mut first) = (Constants::default(), 0);
+    let tables = shape.inputs.tables(&shape.layout, config.pixels);
+    for (input, words) in shape.layout.inputs().iter().zip(tables) {
+        let name = input.name.to_uppercase().replace(|c: char| !c.is_alphanumeric(), "_");
+        constants = constants.with(&format!("INPUT_{name}"), first);
+        first += words.len() as u64;
+    }
+    constants
+        .with("PIXELS", pixels)
+        .with("WIDTH", grid.width.into())
+        .with("HEIGHT", grid.height.into())
+        .with("TILE", grid.tile.into())
+        .with("COLUMNS", if grid.tile == 0 { 1 } else { grid.columns().into() })
+        .with("K", config.k.unwrap_or(8).into())
+        .with_room("SLOTS", slots.into())
+        .with_room("GENERATED", config.generated)
+        .with_room("BOUNDED", config.bounded)
+        .with_room("PAGES", config.pages)
+        .with("BLOCKS", blocks)
+        .with("GROUPS", blocks.div_ceil(64))
+        .with("TABLE_WIDTH", table.size[0].max(1).into())
+        .with("TABLE_HEIGHT", table.size[1].max(1).into())
+        .with("CELLS", table.cells().max(1))
+        .with("AGES", table.ages.into())
+        .with("DATA_IS_TRIANGLE", (record.data == Data::Primitive).into())
+        .with("DEPTH_SHIFT", if record.depth == Format::D24 { 8 } else { 0 })
+        .with("BACKGROUND_R", red)
+        .with("BACKGROUND_G", green)
+        .with("BACKGROUND_B", blue)
+}
+
+/// A fragment as `shared/fragment.wgsl` has it.
+#[must_use]
+pub fn words_of(fragment: &Fragment) -> [u32; 4] {
+    [fragment.pixel, fragment.depth, fragment.data, 0]
+}
+
+/// A group of bindings, whose layout is known.
+#[derive(Debug)]
+pub struct Group {
+    pub(in crate::gpu) layout: wgpu::BindGroupLayout,
+    pub(in crate::gpu) group: wgpu::BindGroup,
+}
+
+/// A buffer, or a part of one, as a shader sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bound<'a> {
+    /// The binding's number.
+    pub binding: u32,
+    /// The buffer.
+    pub buffer: &'a wgpu::Buffer,
+    /// Its part: offset and size in bytes.
+    pub part: Option<(u64, u64)>,
+    /// How it is seen.
+    pub kind: wgpu::BufferBindingType,
+    /// Where it is seen.
+    pub stages: ShaderStages,
+}
+
+impl<'a> Bound<'a> {
+    fn entry(&self) -> BindGroupEntry<'a> {
+        let (offset, size) = self.part.map_or((0, None), |(offset, size)| (offset, Some(size)));
+        let size = size.and_then(std::num::NonZeroU64::new);
+        let buffer = wgpu::BufferBinding { buffer: self.buffer, offset, size };
+        BindGroupEntry { binding: self.binding, resource: wgpu::BindingResource::Buffer(buffer) }
+    }
+}
+
+/// A storage buffer that can be written.
+pub const WRITABLE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: false };
+
+/// A storage buffer that cannot.
+pub const READABLE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
+
+/// Make a group.
+///
+/// # Errors
+/// The device refuses it.
+pub fn group(device: &Device, bound: &[Bound<'_>]) -> Result<Group> {
+    let storage = bound.iter().filter(|b| b.kind != wgpu::BufferBindingType::Uniform).count();
+    let most = device.limits.max_storage_buffers_per_shader_stage;
+    if storage > most as usize {
+        let problem = format!("needs {storage} storage buffers in a shader, at most {most}");
+        return Err(Failure::Unsupported(problem));
+    }
+    let entry = |b: &Bound<'_>| BindGroupLayoutEntry {
+        binding: b.binding,
+        visibility: b.stages,
+        ty: wgpu::BindingType::Buffer {
+            ty: b.kind,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = bound.iter().map(entry).collect();
+    let layout = device.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    });
+    let entries: Vec<_> = bound.iter().map(Bound::entry).collect();
+    let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &layout,
+        entries: &entries,
+    });
+    device.check().map(|()| Group { layout, group })
+}
+
+/// A twin, configured, with its buffers.
+#[derive(Debug)]
+pub struct Program<'d> {
+    pub(in crate::gpu) device: &'d Device,
+    pub(in crate::gpu) twin: Twin,
+    pub(in crate::gpu) shape: Shape,
+    pub(in crate::gpu) constants: Constants,
+    /// By binding of the first group.
+    pub(in crate::gpu) words: Vec<(u32, wgpu::Buffer)>,
+    _table: Option<wgpu::Buffer>,
+    _inputs: Option<wgpu::Buffer>,
+    pub(in crate::gpu) words_group: Group,
+    module: wgpu::ShaderModule,
+    /// Invocations that gave up waiting, and were run again.
+    again: Cell<u64>,
+    /// What was compiled, by entry point and overrides.
+    passes: RefCell<BTreeMap<String, Pass>>,
+}
+
+/// A pipeline.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl<'d> Program<'d> {
+    /// Compile a twin and make its buffers.
+    ///
+    /// # Errors
+    /// The device lacks something, has no room, or refuses.
+    pub fn new(device: &'d Device, twin: Twin, shape: Shape, constants: Constants) -> Result<Self> {
+        if twin.needs_atomics64() && !device.atomics64 {
+            return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
+        }
+        shape.fits(device)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let mut words = Vec::new();
+        for binding in (0..4).filter(|&binding| twin.binds(binding)) {
+            words.push((binding, device.buffer("words", shape.bytes(binding) + SPARE, usage)?));
+        }
+        let table = twin.binds(4).then(|| table(device, &shape)).transpose()?;
+        let inputs = twin.binds(INPUTS).then(|| inputs(device, &shape)).transpose()?;
+        let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
+        let bound = |(binding, buffer): &(u32, wgpu::Buffer)| (*binding, buffer.clone());
+        let buffers: Vec<_> = words.iter().map(bound).collect();
+        let mut bindings: Vec<Bound<'_>> = buffers
+            .iter()
+            .map(|(binding, buffer)| Bound {
+                binding: *binding,
+                buffer,
+                part: None,
+                kind: WRITABLE,
+                stages,
+            })
+            .collect();
+        bindings.extend(table.as_ref().map(|buffer| Bound {
+            binding: 4,
+            buffer,
+            part: None,
+            kind: wgpu::BufferBindingType::Uniform,
+            stages,
+        }));
+        bindings.extend(inputs.as_ref().map(|buffer| Bound {
+            binding: INPUTS,
+            buffer,
+            part: None,
+            kind: READABLE,
+            stages,
+        }));
+        let words_group = group(device, &bindings)?;
+        let module = device.module(twin.method.name(), &twin.module(&constants, Path::Compute)?)?;
+        let passes = RefCell::default();
+        let again = Cell::default();
+        Ok(Self {
+            device,
+            twin,
+            shape,
+            constants,
+            words,
+            _table: table,
+            _inputs: inputs,
+            words_group,
+            module,
+            again,
+            passes,
+        })
+    }
+
+    /// Invocations so far that gave up waiting, for a lock or for a compare-exchange, and were run again.
+    #[must_use]
+    pub fn again(&self) -> u64 {
+        self.again.get()
+    }
+
+    /// A compute pass: an entry point of the module, and the layout of its second group, if it has one. It is compiled
+    /// once.
+    ///
+    /// # Errors
+    /// The device refuses.
+    pub fn pass(
+        &self,
+        entry: &str,
+        second: Option<&wgpu::BindGroupLayout>,
+        overrides: &[(&str, f64)],
+    ) -> Result<Pass> {
+        let name = format!("{entry} {overrides:?}");
+        if let Some(pass) = self.passes.borrow().get(&name) {
+            return Ok(pass.clone());
+        }
+        let groups = [Some(&self.words_group.layout), second];
+        let device = &self.device.device;
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(entry),
+            bind_group_layouts: if second.is_some() { &groups } else { &groups[..1] },
+            immediate_size: 0,
+        });
+        let compilation_options = wgpu::PipelineCompilationOptions {
+            constants: overrides,
+            ..wgpu::PipelineCompilationOptions::default()
+        };
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&layout),
+            module: &self.module,
+            entry_point: Some(entry),
+            compilation_options,
+            cache: None,
+        });
+        self.device.check()?;
+        let pass = Pass { pipeline };
+        self.passes.borrow_mut().insert(name, pass.clone());
+        Ok(pass)
+    }
+
+    /// Have so many invocations of a pass run.
+    pub fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: &Pass,
+        second: Option<&wgpu::BindGroup>,
+        invocations: u64,
+    ) {
+        let workgroups = invocations.div_ceil(WORKGROUP);
+        if workgroups == 0 {
+            return;
+        }
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        compute.set_pipeline(&pass.pipeline);
+        compute.set_bind_group(0, &self.words_group.group, &[]);
+        if let Some(second) = second {
+            compute.set_bind_group(1, second, &[]);
+        }
+        let (across, down) = (workgroups.min(ROW), workgroups.div_ceil(ROW));
+        compute.dispatch_workgroups(across as u32, down as u32, 1);
+    }
+
+    /// Give every byte of every word this value, before the clear pass.
+    pub fn fill(&self, byte: u8) {
+        for (_, buffer) in &self.words {
+            self.device.queue.write_buffer(buffer, 0, &vec![byte; buffer.size() as usize]);
+        }
+    }
+
+    /// The clear pass.
+    ///
+    /// # Errors
+    /// Whatever the device says.
+    pub fn clear(&self) -> Result<()> {
+        let mut encoder = self.device.encoder();
+        if self.twin.defines("clear_frame") {
+            let pass = self.pass("clear_frame_pass", None, &[])?;
+            self.dispatch(&mut encoder, &pass, None, 1);
+        }
+        let pass = self.pass("clear_pass", None, &[])?;
+        self.dispatch(&mut encoder, &pass, None, self.shape.config.pixels.into());
+        self.device.submit(encoder)
+    }
+
+    /// The method's course up to resolve, which is for whoever wants the results; `geometry` runs the passes over
+    /// fragments, by the function of the twin.
+    ///
+    /// # Errors
+    /// Whatever the device says.
+    pub fn run(&self, mut geometry: impl FnMut(&str) -> Result<()>) -> Result<()> {
+        let program = &self.shape.contract.program;
+        let part = |part: &Part| match *part {
+            Part::Clear => self.clear(),
+            Part::Resolve => Ok(()),
+            Part::Pass(number) => match program.passes[number].kind {
+                Kind::Store => geometry("store"),
+                Kind::Prepare => geometry("prepare"),
+                Kind::Screen => self.screen_pass(),
+                Kind::Frame => self.frame_pass(number),
+            },
+        };
+        let mut part = part;
+        Course::of(program).walk(|parts| parts.iter().try_for_each(&mut part).map(|()| false))?;
+        Ok(())
+    }
+
+    /// A full-screen pass.
+    fn screen_pass(&self) -> Result<()> {
+        let pass = self.pass("screen_pass", None, &[])?;
+        let mut encoder = self.device.encoder();
+        self.dispatch(&mut encoder, &pass, None, self.shape.config.pixels.into());
+        self.device.submit(encoder)
+    }
+
+    /// One pass over the frame's words.
+    ///
+    /// # Errors
+    /// Whatever the device says.
+    pub fn frame_pass(&self, number: usize) -> Result<()> {
+        let pass = self.frame_words(number)?;
+        let mut encoder = self.device.encoder();
+        self.dispatch(&mut encoder, &pass, None, self.shape.invocations[number].into());
+        self.device.submit(encoder)
+    }
+
+    /// A pass over the frame's words, compiled.
+    pub(in crate::gpu) fn frame_words(&self, number: usize) -> Result<Pass> {
+        let invocations = self.shape.invocations[number];
+        let overrides = [("PASS", number as f64), ("INVOCATIONS", f64::from(invocations))];
+        self.pass("frame_pass", None, &overrides)
+    }
+
+    /// A geometry pass on the compute path. Who gives up waiting has stored nothing, and is run again.
+    ///
+    /// # Errors
+    /// Whatever the device says; or somebody waits for ever.
+    pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
+        fragments.chunks(CHUNK).try_for_each(|chunk| {
+            self.invoke(function, chunk.iter().map(words_of).collect())?;
+            Ok(())
+        })
+    }
+
+    /// Invocations of a geometry pass, at most [`CHUNK`].
+    fn invoke(&self, function: &str, mut words: Vec<[u32; 4]>) -> Result<()> {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let buffer = self.device.buffer("fragments", 16 * words.len() as u64, usage)?;
+        for _ in 0..PATIENCE {
+            self.invoke_once(function, &buffer, &words)?;
+            if !(self.twin.waits() && function == "store") {
+                return Ok(());
+            }
+            let found = self.device.read(&buffer, 16 * words.len() as u64)?;
+            words = bytemuck::pod_collect_to_vec(&found);
+            words.retain(|fragment| fragment[3] == STUCK);
+            if words.is_empty() {
+                return Ok(());
+            }
+            self.again.set(self.again.get() + words.len() as u64);
+        }
+        Err(Failure::Stuck(words.len() as u64))
+    }
+
+    /// Run again who gave up waiting on the raster path.
+    ///
+    /// # Errors
+    /// As [`Self::compute`].
+    pub(in crate::gpu) fn repeat(&self, words: Vec<[u32; 4]>) -> Result<()> {
+        self.again.set(self.again.get() + words.len() as u64);
+        self.invoke("store", words)
+    }
+
+    fn invoke_once(&self, function: &str, buffer: &wgpu::Buffer, words: &[[u32; 4]]) -> Result<()> {
+        self.device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words));
+        let entry = format!("{function}_pass");
+        let (group, pass) = self.fragments_group(buffer, 0, 16 * words.len() as u64, &entry)?;
+        let mut encoder = self.device.encoder();
+        self.dispatch(&mut encoder, &pass, Some(&group.group), words.len() as u64);
+        self.device.submit(encoder)
+    }
+
+    /// The second group of a geometry pass over a part of a buffer of fragments, and the pass.
+    pub(in crate::gpu) fn fragments_group(
+        &self,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        size: u64,
+        entry: &str,
+    ) -> Result<(Group, Pass)> {
+        let bound = Bound {
+            binding: 0,
+            buffer,
+            part: Some((offset, size)),
+            kind: WRITABLE,
+            stages: ShaderStages::COMPUTE,
+        };
+        let group = group(self.device, &[bound])?;
+        let pass = self.pass(entry, Some(&group.layout), &[])?;
+        Ok((group, pass))
+    }
+}
+
+/// The words of all inputs.
+fn inputs(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
+    let mut words = shape.input_words();
+    words.resize(words.len().max(1), 0);
+    device.filled("inputs", bytemuck::cast_slice(&words), BufferUsages::STORAGE)
+}
+
+/// The offsets of a hash table's ages.
+fn table(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
+    let mut offsets = shape.config.table.offsets();
+    offsets.resize(256, [0; 2]);
+    device.filled("offsets", bytemuck::cast_slice(&offsets), BufferUsages::UNIFORM)
+}

@@ -1,0 +1,218 @@
+//! The WGSL text of a module: constants, the twin, and the entry points of its passes.
+//!
+//! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once in
+//! a module. Which passes a twin has follows from the functions that it defines: each gets its entry point from `pass/`.
+
+use std::fmt::Write;
+
+use crate::catalogue::Catalogue;
+use crate::exec::Method;
+use crate::gpu::driver::failure::{Failure, Result};
+
+/// A method in WGSL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Twin {
+    /// The method.
+    pub method: Method,
+    /// Its text, before includes.
+    pub text: &'static str,
+}
+
+macro_rules! files {
+    ($($name:literal)*) => {
+        &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*]
+    };
+}
+
+/// What can be included.
+const FILES: &[(&str, &str)] = files! {
+    "pass/clear" "pass/clear_frame" "pass/frame" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
+    "pass/screen" "pass/store" "pass/store_raster"
+    "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
+    "shared/sort" "shared/word64"
+    "parts/list" "parts/lock" "parts/max_array" "parts/max_heap" "parts/ranges" "parts/table"
+};
+
+macro_rules! twins {
+    ($($method:literal $file:literal)*) => {
+        &[$(($method, include_str!(concat!("../wgsl/", $file, ".wgsl")))),*]
+    };
+}
+
+/// The built-in twins, by the names of their methods, in the catalogue's order.
+const TWINS: &[(&str, &str)] = twins! {
+    "z-buffer" "k_buffer/z_buffer"
+    "ab-array" "a_buffer/ab_array"
+    "ab-ll" "a_buffer/ab_ll"
+    "s-buffer" "a_buffer/s_buffer"
+    "dfb" "a_buffer/dfb"
+    "kb" "k_buffer/kb"
+    "kb-mdt32" "k_buffer/kb_mdt32"
+    "kb-mdt64" "k_buffer/kb_mdt64"
+    "ab-ll-paged" "a_buffer/ab_ll_paged"
+    "kb-ll" "k_buffer/kb_ll"
+    "kplus-array" "kplus_buffer/kplus_array"
+    "kplus-heap" "kplus_buffer/kplus_heap"
+    "kplus-sb" "kplus_buffer/kplus_sb"
+    "ha64" "hash_table/ha64"
+    "ha32" "hash_table/ha32"
+};
+
+/// Entry points by the function that a twin defines: where they stand, and whether they run invocations of fragments.
+const ENTRIES: &[(&str, &str)] = &[
+    ("clear_frame", "pass/clear_frame"),
+    ("clear", "pass/clear"),
+    ("prepare", "pass/prepare"),
+    ("screen", "pass/screen"),
+    ("frame", "pass/frame"),
+    ("store", "pass/store"),
+    ("resolve", "pass/resolve"),
+];
+
+/// Those of the raster path.
+const RASTER_ENTRIES: &[(&str, &str)] =
+    &[("prepare", "pass/prepare_raster"), ("store", "pass/store_raster")];
+
+/// The built-in twins, in the catalogue's order.
+#[must_use]
+pub fn twins() -> Vec<Twin> {
+    let catalogue = Catalogue::built_in();
+    let twin = |&(name, text): &(&str, &'static str)| {
+        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
+    };
+    TWINS.iter().filter_map(twin).collect()
+}
+
+/// The built-in twin of a method.
+#[must_use]
+pub fn twin(method: Method) -> Option<Twin> {
+    twins().into_iter().find(|twin| twin.method == method)
+}
+
+/// Which entry points a module has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Compute shaders.
+    Compute,
+    /// A vertex shader, and a fragment shader for every geometry pass.
+    Raster,
+}
+
+impl Twin {
+    /// Whether the twin defines a function.
+    #[must_use]
+    pub fn defines(&self, function: &str) -> bool {
+        self.text.contains(&format!("fn {function}("))
+    }
+
+    /// Whether it declares a binding of the first group.
+    #[must_use]
+    pub fn binds(&self, binding: u32) -> bool {
+        let declared = format!("@group(0) @binding({binding})");
+        self.expanded().is_ok_and(|text| text.contains(&declared))
+    }
+
+    /// Whether it waits for locks.
+    #[must_use]
+    pub fn locks(&self) -> bool {
+        self.text.contains("//# include parts/lock\n")
+    }
+
+    /// Whether its invocations may give up waiting, for a lock or for a compare-exchange, with nothing stored.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.text.contains("STUCK")
+    }
+
+    /// Whether it needs atomic operations on 64 bits, which WGSL has only as an extension of naga's.
+    #[must_use]
+    pub fn needs_atomics64(&self) -> bool {
+        self.expanded().is_ok_and(|text| text.contains("atomic<u64>"))
+    }
+
+    fn expanded(&self) -> Result<String> {
+        let mut text = String::new();
+        include(self.text, &mut Vec::new(), &mut text)?;
+        Ok(text)
+    }
+
+    /// The module's text.
+    ///
+    /// # Errors
+    /// An include that there is not.
+    pub fn module(&self, constants: &Constants, path: Path) -> Result<String> {
+        let entries = match path {
+            Path::Compute => ENTRIES,
+            Path::Raster => RASTER_ENTRIES,
+        };
+        let mut text = constants.text();
+        let mut seen = Vec::new();
+        include(self.text, &mut seen, &mut text)?;
+        for (function, file) in entries {
+            if self.defines(function) {
+                text.push('\n');
+                include(&format!("//# include {file}\n"), &mut seen, &mut text)?;
+            }
+        }
+        Ok(text)
+    }
+}
+
+fn include(from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
+    for line in from.lines() {
+        match line.strip_prefix("//# include ") {
+            Some(name) if seen.iter().any(|one| one == name) => {}
+            Some(name) => {
+                let file = FILES.iter().find(|(known, _)| *known == name);
+                let (_, text) =
+                    file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
+                seen.push(name.to_owned());
+                include(text, seen, into)?;
+            }
+            None => {
+                into.push_str(line);
+                into.push('\n');
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Numbers that stand before a twin as constants.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants {
+    text: String,
+}
+
+impl Constants {
+    /// Add an unsigned one.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: u64) -> Self {
+        let _ = writeln!(self.text, "const {name}: u32 = {value}u;");
+        self
+    }
+
+    /// Add one that is at least 1 as the length of an array, whose own name ends in `_ROOM`.
+    #[must_use]
+    pub fn with_room(self, name: &str, value: u64) -> Self {
+        self.with(name, value).with(&format!("{name}_ROOM"), value.max(1))
+    }
+
+    /// Add a signed one.
+    #[must_use]
+    pub fn with_signed(mut self, name: &str, value: i64) -> Self {
+        let _ = writeln!(self.text, "const {name}: i32 = {value}i;");
+        self
+    }
+
+    /// Add a power of two as a float.
+    #[must_use]
+    pub fn with_power(mut self, name: &str, exponent: i32) -> Self {
+        let _ = writeln!(self.text, "const {name}: f32 = 0x1p{exponent}f;");
+        self
+    }
+
+    fn text(&self) -> String {
+        self.text.clone()
+    }
+}

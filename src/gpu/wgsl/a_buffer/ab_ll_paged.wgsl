@@ -1,0 +1,99 @@
+// A-buffer in per-pixel linked lists of pages (Crassin 2010; LL-Paged).
+//
+// A page holds four fragments, so that a pixel asks the frame's counter a quarter as often and its fragments lie
+// together. Slots are handed out under a lock per pixel. The record itself is written after the lock is free again: its
+// slot belongs to nobody else, and nobody reads it before the barrier. Counter and page are read by the lock's next
+// holder, to whom WGSL's relaxed atomics do not promise them: see shared/lock.
+
+//# include shared/fragment
+//# include parts/list
+//# include parts/lock
+//# include shared/emit
+
+// Fragments of a page.
+const PAGE: u32 = 4u;
+
+// Words of a page: which page comes next, then depth and data of each fragment.
+const WORDS: u32 = 1u + 2u * PAGE;
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: u32,
+    page: u32,
+}
+
+struct Frame {
+    taken: atomic<u32>,
+    pages: array<u32>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+@group(0) @binding(2) var<storage, read_write> memory: Frame;
+
+// The first word of a page.
+fn first_of(page: u32) -> u32 {
+    return WORDS * page;
+}
+
+// The first word of a record of a page.
+fn record_of(page: u32, slot: u32) -> u32 {
+    return first_of(page) + 1u + 2u * slot;
+}
+
+fn clear_frame() {
+    atomicStore(&memory.taken, 0u);
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    pixels[pixel].counter = 0u;
+    pixels[pixel].page = NONE;
+}
+
+// Under the lock: the first word of a record for one more fragment, or NONE if there is no page for it.
+fn take(pixel: u32) -> u32 {
+    let count = pixels[pixel].counter;
+    if count % PAGE == 0u {
+        let page = atomicAdd(&memory.taken, 1u);
+        if page >= PAGES {
+            return NONE;
+        }
+        memory.pages[first_of(page)] = pixels[pixel].page;
+        pixels[pixel].page = page;
+    }
+    pixels[pixel].counter = count + 1u;
+    return record_of(pixels[pixel].page, count % PAGE);
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            let record = take(pixel);
+            atomicStore(&pixels[pixel].lock, FREE);
+            outcome = POOL;
+            if record != NONE {
+                memory.pages[record] = fragment.depth;
+                memory.pages[record + 1u] = fragment.data;
+                outcome = KEPT;
+            }
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    var left = pixels[pixel].counter;
+    var page = pixels[pixel].page;
+    // Only the current page can be partly full.
+    while left > 0u && page != NONE {
+        let full = (left - 1u) % PAGE + 1u;
+        for (var slot = 0u; slot < full; slot++) {
+            let record = record_of(page, slot);
+            emit(Key(memory.pages[record + 1u], memory.pages[record]));
+        }
+        left -= full;
+        page = memory.pages[first_of(page)];
+    }
+}

@@ -1,0 +1,70 @@
+// k+-buffer with a max-array (Vasilakis, Fudos 2014; K+B-Array), in its correct form.
+//
+// A spin lock per pixel guards an array whose entry 0 is always its farthest. The new farthest is found before anything
+// is written, the freed entry is written before entry 0, and the counter is raised last: so whoever reads counter and
+// entry 0 without the lock is never told too near a depth. (As far as WGSL goes: its atomics are relaxed.)
+
+//# include shared/fragment
+//# include parts/lock
+//# include parts/max_array
+//# include shared/emit
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    depth: array<atomic<u32>, K>,
+    data: array<u32, K>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+
+fn entry(pixel: u32, i: u32) -> Key {
+    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
+}
+
+fn put(pixel: u32, i: u32, key: Key) {
+    pixels[pixel].data[i] = key.x;
+    atomicStore(&pixels[pixel].depth[i], key.y);
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+// Under the lock.
+fn insert(pixel: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < K {
+        array_append(pixel, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(pixel, 0u)) {
+        return CULLED;
+    }
+    array_replace(pixel, K, key);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    for (var i = 0u; i < count; i++) {
+        emit(entry(pixel, i));
+    }
+}

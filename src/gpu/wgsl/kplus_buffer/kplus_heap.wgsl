@@ -1,0 +1,72 @@
+// k+-buffer with a max-heap (Vasilakis, Fudos 2014; K+B-Heap), in its correct form.
+//
+// As the max-array (`kplus_array`), with a structure that finds the new farthest in O(log k) instead of O(k). The
+// counter is raised after the record is in place, and the root goes from the old farthest record to the new one in one
+// write: so whoever reads counter and root without the lock is never told too near a depth. (As far as WGSL goes: its
+// atomics are relaxed.)
+
+//# include shared/fragment
+//# include parts/lock
+//# include parts/max_heap
+//# include shared/emit
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    depth: array<atomic<u32>, K>,
+    data: array<u32, K>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+
+fn entry(pixel: u32, i: u32) -> Key {
+    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
+}
+
+fn put(pixel: u32, i: u32, key: Key) {
+    pixels[pixel].data[i] = key.x;
+    atomicStore(&pixels[pixel].depth[i], key.y);
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+// Under the lock.
+fn insert(pixel: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < K {
+        heap_append(pixel, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(pixel, 0u)) {
+        return CULLED;
+    }
+    heap_replace(pixel, K, key);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    // Of equal depths, the data word decides, which only who holds the lock may read.
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    for (var i = 0u; i < min(count, K); i++) {
+        emit(entry(pixel, i));
+    }
+}

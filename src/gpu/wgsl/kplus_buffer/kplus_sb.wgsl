@@ -1,0 +1,144 @@
+// k+-buffer with exact memory (Vasilakis, Fudos 2014, section 3.3; K+B-SB), in its correct form.
+//
+// A bounded count, a prefix sum, and per pixel a max-array or a max-heap in a contiguous range of min(f, k) records. A
+// pixel with more than k fragments has a heap if k > 16, and an array otherwise.
+//
+// A compare-exchange counts to min(f, k + 1): the published test and add overshoots where several pass the test
+// together, and a count bounded at k cannot tell f = k from f > k. The choice is the lowest bit of the range's start.
+// What the lock needs is outside WGSL's guarantees: see shared/lock.
+
+//# include shared/fragment
+//# include parts/lock
+//# include parts/ranges
+//# include parts/max_array
+//# include parts/max_heap
+//# include shared/emit
+
+// Up to this k, an array is faster than a heap.
+const ARRAY_UP_TO: u32 = 16u;
+
+// A compare-exchange fails because another counted, which changes the counter. One that fails without that failed for no
+// reason, as it may in WGSL; or this lane is a helper of a quad, whose atomics do nothing. So often, it may.
+const FUTILE: u32 = 64u;
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    offset: u32,
+}
+
+struct Frame {
+    blocks: array<atomic<u32>, BLOCKS>,
+    groups: array<u32, GROUPS>,
+    depth: array<atomic<u32>, BOUNDED_ROOM>,
+    data: array<u32>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+@group(0) @binding(2) var<storage, read_write> memory: Frame;
+
+// Record i of the range that begins at `first`.
+fn entry(first: u32, i: u32) -> Key {
+    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
+}
+
+fn put(first: u32, i: u32, key: Key) {
+    memory.data[first + i] = key.x;
+    atomicStore(&memory.depth[first + i], key.y);
+}
+
+fn clear_frame() {
+    clear_sums();
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+// The count pass.
+fn prepare(fragment: Fragment) {
+    var last = EMPTY;
+    var futile = 0u;
+    while futile < FUTILE {
+        let count = atomicLoad(&pixels[fragment.pixel].counter);
+        if count > K {
+            return;
+        }
+        futile += u32(count == last);
+        last = count;
+        if atomicCompareExchangeWeak(&pixels[fragment.pixel].counter, count, count + 1u).exchanged {
+            return;
+        }
+    }
+}
+
+// The referencing pass.
+fn screen(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count > 0u {
+        refer(pixel, min(count, K), count > K);
+        atomicStore(&pixels[pixel].counter, 0u);
+    }
+}
+
+fn frame(number: u32, index: u32) {
+    sum_up(number, index);
+}
+
+fn append(range: Range, count: u32, key: Key) {
+    if range.flag && K > ARRAY_UP_TO {
+        heap_append(range.start, count, key);
+    } else {
+        array_append(range.start, count, key);
+    }
+}
+
+fn replace(range: Range, key: Key) {
+    if range.flag && K > ARRAY_UP_TO {
+        heap_replace(range.start, K, key);
+    } else {
+        array_replace(range.start, K, key);
+    }
+}
+
+// Under the lock.
+fn insert(pixel: u32, range: Range, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < K {
+        append(range, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(range.start, 0u)) {
+        return CULLED;
+    }
+    replace(range, key);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    let range = range_of(pixel);
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&memory.depth[range.start]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, range, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count > 0u {
+        let first = range_of(pixel).start;
+        for (var i = 0u; i < count; i++) {
+            emit(entry(first, i));
+        }
+    }
+}

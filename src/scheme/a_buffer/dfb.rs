@@ -1,0 +1,116 @@
+//! Dynamic fragment buffer (Maule, Comba, Torchelsen, Bastos, "Memory-efficient order-independent transparency with
+//! dynamic fragment buffer", 2012; DFB): count, prefix sum, store into exact ranges; resolve sorts.
+//!
+//! It differs from the S-buffer in how a fragment finds its place: the counter is not zeroed, but counted down again,
+//! so that the store pass fills a range from its end and the counters are zero when it is full. A pixel's fragments are
+//! sorted in a local array of 1,024 records; what a pixel has beyond is dropped by arrival.
+
+use crate::fragment::Fragment;
+use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::scheme::contract::{Demand, Program};
+use crate::scheme::parts::ranges::{self, Ranges};
+use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+
+/// Records that resolve can sort.
+const MOST: u32 = 1_024;
+
+/// The method.
+#[derive(Debug)]
+pub struct DynamicFragmentBuffer {
+    /// Fragments counted; then, fragments still to come.
+    counter: Words<Pixel, Atomic, u32>,
+    /// Records of the pixel, for resolve.
+    length: Words<Pixel, Plain, u32>,
+    ranges: Ranges,
+    records: Words<Global, Plain, u64>,
+}
+
+impl Scheme for DynamicFragmentBuffer {
+    const CONTRACT: Contract = Contract {
+        name: "dfb",
+        title: "dynamic fragment buffer: count, prefix sum, store, sort",
+        paper: "Maule, Comba, Torchelsen, Bastos 2012",
+        section: "fragment merging paper, 5 (DFB)",
+        program: Program::of(ranges::PASSES),
+        words: "3",
+        frame_words: "2S + G + H",
+        exact_when: "f(p) <= 1024",
+        overflow: "beyond 1024 at a pixel, drop by arrival, counted",
+        needs: "32-bit atomic add, relaxed; two geometry passes that generate the same fragments",
+        wgsl: Some("storage buffers; atomicAdd"),
+        demand: Demand::Bounded,
+        source: include_str!("dfb.rs"),
+        ..Contract::BASE_ALL
+    };
+
+    type Holds = Keys;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        Self {
+            counter: layout.pixel(1),
+            length: layout.pixel(1),
+            ranges: Ranges::new(config, layout),
+            records: layout.global(config.bounded),
+        }
+    }
+
+    async fn clear_frame<M: Memory>(&self, mem: &M) {
+        self.ranges.clear_frame(mem).await;
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+        mem.plain_store(self.length.at(pixel, 0), 0).await;
+    }
+
+    async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
+        mem.add(self.counter.at(fragment.pixel, 0), 1, Order::Relaxed).await;
+    }
+
+    async fn screen<M: Memory>(&self, mem: &M, _: usize, pixel: u32) {
+        let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+        if count > 0 {
+            self.ranges.refer(mem, pixel, count, false).await;
+            mem.plain_store(self.length.at(pixel, 0), count).await;
+        }
+    }
+
+    fn invocations(&self, pass: usize) -> u32 {
+        self.ranges.invocations(pass)
+    }
+
+    async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
+        self.ranges.sum(mem, pass, index).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let counter = self.counter.at(fragment.pixel, 0);
+        let left = mem.add(counter, 1u32.wrapping_neg(), Order::Relaxed).await;
+        // The last to come find the local array full: the range is filled from its end.
+        let index = left.wrapping_sub(1);
+        let length = mem.plain_load(self.length.at(fragment.pixel, 0)).await;
+        let place = length.wrapping_sub(left);
+        if place >= MOST {
+            return Outcome::Overflow;
+        }
+        let (start, _) = self.ranges.start::<_, Self>(mem, fragment.pixel).await;
+        let record = start + u64::from(index);
+        if record >= self.records.count() {
+            return Outcome::Pool;
+        }
+        mem.plain_store(self.records.at(record), fragment.key()).await;
+        Outcome::Kept
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let length = mem.plain_load(self.length.at(pixel, 0)).await;
+        if length > 0 {
+            let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
+            let end = start + u64::from(length);
+            let begin = end.saturating_sub(u64::from(MOST)).max(start);
+            for record in begin..end.min(self.records.count()) {
+                keys.push(mem.plain_load(self.records.at(record)).await);
+            }
+        }
+    }
+}

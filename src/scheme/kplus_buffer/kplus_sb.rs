@@ -1,0 +1,247 @@
+//! k+-buffer with exact memory (Vasilakis, Fudos 2014, section 3.3, Algorithm 3; K+B-SB): a bounded count, a prefix
+//! sum, and per pixel a max-array or a max-heap in a contiguous range of min(f, k) records.
+//!
+//! A pixel with more than k fragments has a heap if k > 16, and an array otherwise, as published.
+//!
+//! What differs from Algorithm 3 (`kplus-sb@published`), and why:
+//! * The published count tests the counter and then adds: several invocations pass the test together, and the counter
+//!   overshoots k (claim C6). And a count bounded at k cannot tell f = k from f > k, on which the choice depends. Here a
+//!   compare-exchange counts to min(f, k + 1), and min(f, k) records are allocated. The published form is clamped where
+//!   it allocates, so that its records stay within the array.
+//! * Insertion is that of the correct forms ([`max_array`], [`max_heap`]).
+//!
+//! The range's start carries the choice in its lowest bit ([`Ranges`]), so that a pixel has three words besides its
+//! records: counter, semaphore, start.
+
+use std::marker::PhantomData;
+
+use crate::fragment::{Fragment, pair_key};
+use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
+use crate::scheme::contract::{Demand, Form, Program};
+use crate::scheme::parts::lock::{FREE, SpinLock};
+use crate::scheme::parts::ranges::{self, Ranges};
+use crate::scheme::parts::slots::{OfFrame, Slots, entry};
+use crate::scheme::parts::{max_array, max_heap};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
+
+/// Up to this k, an array is faster than a heap (section 3.2).
+pub const ARRAY_UP_TO: u32 = 16;
+
+/// The correct form, or another.
+pub trait Variant: Send + Sync + 'static {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// Whether the count is bounded by compare-exchange, and goes up to k + 1.
+    const EXACT_COUNT: bool = true;
+    /// Up to which k an array is used.
+    const ARRAY_UP_TO: u32 = ARRAY_UP_TO;
+}
+
+/// No fault.
+#[derive(Debug)]
+pub enum Correct {}
+
+/// The count of Algorithm 3.
+#[derive(Debug)]
+pub enum Published {}
+
+/// A heap whatever k, so that small instances reach it.
+#[derive(Debug)]
+pub enum Heap {}
+
+/// The method.
+#[derive(Debug)]
+pub struct KPlusSb<V = Correct> {
+    k: u32,
+    lock: SpinLock,
+    counter: Words<Pixel, Atomic, u32>,
+    ranges: Ranges,
+    depth: Words<Global, Atomic, u32>,
+    data: Words<Global, Plain, u32>,
+    variant: PhantomData<V>,
+}
+
+const CONTRACT: Contract = Contract {
+    name: "kplus-sb",
+    title: "k+-buffer in exact contiguous ranges, array or heap per pixel",
+    paper: "Vasilakis, Fudos 2014",
+    section: "3.3, Algorithm 3 (K+B-SB)",
+    program: Program::of(ranges::PASSES),
+    words: "3",
+    frame_words: "2S + G + H",
+    overflow: "the farthest is evicted",
+    needs: "acquire and release on a 32-bit word; forward progress of the lock's holder; two geometry passes that \
+            generate the same fragments",
+    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
+    demand: Demand::Bounded,
+    ..Contract::BASE
+};
+
+impl Variant for Correct {
+    const CONTRACT: Contract = CONTRACT;
+}
+
+impl Variant for Published {
+    const CONTRACT: Contract = Contract {
+        name: "kplus-sb@published",
+        title: "k+-buffer in contiguous ranges, counted as in Algorithm 3",
+        form: Form::Published,
+        ..CONTRACT
+    };
+    const EXACT_COUNT: bool = false;
+}
+
+impl Variant for Heap {
+    const CONTRACT: Contract = Contract {
+        name: "kplus-sb@heap",
+        title: "k+-buffer in exact contiguous ranges, a heap in every full pixel",
+        ..CONTRACT
+    };
+    const ARRAY_UP_TO: u32 = 0;
+}
+
+impl<V: Variant> Scheme for KPlusSb<V> {
+    const CONTRACT: Contract = Contract { source: include_str!("kplus_sb.rs"), ..V::CONTRACT };
+
+    type Holds = Keys;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        Self {
+            k: config.k.unwrap_or(8),
+            lock: SpinLock::new(layout),
+            counter: layout.pixel(1),
+            ranges: Ranges::new(config, layout),
+            depth: layout.global(config.bounded),
+            data: layout.global(config.bounded),
+            variant: PhantomData,
+        }
+    }
+
+    async fn clear_frame<M: Memory>(&self, mem: &M) {
+        self.ranges.clear_frame(mem).await;
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        self.lock.clear(mem, pixel).await;
+        mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+    }
+
+    /// The count pass.
+    async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
+        let counter = self.counter.at(fragment.pixel, 0);
+        if V::EXACT_COUNT {
+            let _attempts = mem.block();
+            let mark = mem.mark();
+            loop {
+                let attempt = mem.block();
+                let count = mem.load(counter, Order::Relaxed).await;
+                if count > self.k {
+                    return;
+                }
+                let found = mem.compare_exchange(counter, count, count + 1, Order::Relaxed).await;
+                if found == count {
+                    return;
+                }
+                mem.merge(attempt).await;
+                mem.spin(mark).await;
+            }
+        } else {
+            let test = mem.block();
+            if mem.load(counter, Order::Relaxed).await < self.k {
+                mem.add(counter, 1, Order::Relaxed).await;
+            }
+            mem.merge(test).await;
+        }
+    }
+
+    /// The referencing pass.
+    async fn screen<M: Memory>(&self, mem: &M, _: usize, pixel: u32) {
+        let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+        if count > 0 {
+            let crowded = if V::EXACT_COUNT { count > self.k } else { count >= self.k };
+            self.ranges.refer(mem, pixel, count.min(self.k), crowded).await;
+            mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+        }
+    }
+
+    fn invocations(&self, pass: usize) -> u32 {
+        self.ranges.invocations(pass)
+    }
+
+    async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
+        self.ranges.sum(mem, pass, index).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let (pixel, new) = (fragment.pixel, fragment.key());
+        let counter = self.counter.at(pixel, 0);
+        let (slots, crowded) = self.slots(mem, pixel).await;
+        let heap = crowded && self.k > V::ARRAY_UP_TO;
+        let test = mem.block();
+        if mem.load(counter, Order::Acquire).await == self.k
+            && fragment.depth > mem.load(slots.depth(0), Order::Relaxed).await
+        {
+            return Outcome::Culled;
+        }
+        mem.merge(test).await;
+        let _attempts = mem.block();
+        let mark = mem.mark();
+        loop {
+            let attempt = mem.block();
+            if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
+                let count = mem.load(counter, Order::Relaxed).await;
+                let mut outcome = Outcome::Culled;
+                if count < self.k {
+                    if heap {
+                        max_heap::append::<_, _, Self>(mem, slots, count, new).await;
+                    } else {
+                        max_array::append::<_, _, Self>(mem, slots, count, new).await;
+                    }
+                    mem.store(counter, count + 1, Order::Release).await;
+                    outcome = Outcome::Kept;
+                } else if new < pair_key(entry(mem, slots, 0).await) {
+                    if heap {
+                        max_heap::replace::<_, _, Self>(mem, slots, self.k, new).await;
+                    } else {
+                        max_array::replace::<_, _, Self>(mem, slots, self.k, new).await;
+                    }
+                    outcome = Outcome::Evicted;
+                }
+                self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
+                return outcome;
+            }
+            mem.merge(attempt).await;
+            mem.spin(mark).await;
+        }
+    }
+
+    /// A count that allocates more than min(f, k) records is no exact memory.
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, _: Moment) -> Result<(), String> {
+        let most = if V::EXACT_COUNT { self.k + 1 } else { self.k };
+        match words.get(self.counter.at(pixel, 0)) {
+            Some(count) if count > most => {
+                Err(format!("the count is bounded by {most}, and overshoots to {count}"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
+        if count > 0 {
+            let (slots, _) = self.slots(mem, pixel).await;
+            for i in 0..count {
+                keys.push(pair_key(entry(mem, slots, i).await));
+            }
+        }
+    }
+}
+
+impl<V> KPlusSb<V> {
+    /// A pixel's records, and whether it has more than k fragments.
+    #[inline(always)]
+    async fn slots<M: Memory>(&self, mem: &M, pixel: u32) -> (OfFrame, bool) {
+        let (first, crowded) = self.ranges.start::<_, Self>(mem, pixel).await;
+        (OfFrame { depth: self.depth, data: self.data, first }, crowded)
+    }
+}

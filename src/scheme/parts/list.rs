@@ -1,0 +1,221 @@
+//! The linked lists that pixels share a pool for (Yang, Hensley, Grün, Thibieroz, "Real-time concurrent linked list
+//! construction on the GPU", 2010): the heads of a pixel's lists, a counter that hands out nodes, and nodes of a link
+//! and a key.
+//!
+//! How a node gets into its list is said at each use, since that is where methods differ: by an exchange on the head,
+//! whose old value becomes the node's link afterwards ([`Lists::publish`]), or by a compare-exchange on the link before
+//! it. The first kind reads no link before the barrier, which can then be plain.
+
+use std::fmt;
+use std::future::Future;
+
+use crate::fragment::Fragment;
+use crate::memory::{
+    At, Atomic, Global, Kind, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words,
+};
+use crate::scheme::{Config, Keys};
+
+/// No node: the end of a list.
+pub const NONE: u32 = u32::MAX;
+
+/// Lists of every pixel, whose links are plain or atomic.
+#[derive(Debug)]
+pub struct Lists<L = Plain> {
+    heads: Words<Pixel, Atomic, u32>,
+    pool: Pool,
+    links: Words<Global, L, u32>,
+    keys: Words<Global, Plain, u64>,
+}
+
+impl<L> Clone for Lists<L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for Lists<L> {}
+
+/// A node that somebody wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Node {
+    /// Which one.
+    pub number: u32,
+    /// Where it leads to.
+    pub next: u32,
+    /// Whose fragment it is.
+    pub key: u64,
+}
+
+/// Why a list cannot be followed to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// It leads to a node that the pool has not.
+    Outside {
+        /// Which one.
+        node: u32,
+        /// How many nodes there are.
+        of: u64,
+    },
+    /// It leads to a node that is not, or not wholly, written.
+    Unwritten(u32),
+    /// It leads through more nodes than there are, so it has a cycle.
+    Endless(u64),
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Outside { node, of } => write!(out, "the list leads to node {node}, of {of}"),
+            Self::Unwritten(node) => write!(out, "node {node} is in the list, and nobody wrote it"),
+            Self::Endless(of) => write!(out, "the list does not end within the pool's {of} nodes"),
+        }
+    }
+}
+
+impl<L: Kind> Lists<L> {
+    /// Declare so many lists per pixel, and a pool of as many nodes as the scene has fragments.
+    #[must_use]
+    pub fn new(lists: u32, config: &Config, layout: &mut Layout) -> Self {
+        let capacity = config.generated.min(u64::from(NONE));
+        Self {
+            heads: layout.pixel(lists.into()),
+            pool: layout.pool(),
+            links: layout.global(capacity),
+            keys: layout.global(capacity),
+        }
+    }
+
+    /// Nodes of the pool.
+    #[inline(always)]
+    #[must_use]
+    pub fn capacity(self) -> u64 {
+        self.links.count()
+    }
+
+    /// Where a pixel's list begins.
+    #[inline(always)]
+    #[must_use]
+    pub fn head(self, pixel: u32, list: u32) -> At<Pixel, Atomic, u32> {
+        self.heads.at(pixel, list)
+    }
+
+    /// Where a node leads to.
+    #[inline(always)]
+    #[must_use]
+    pub fn link(self, node: u32) -> At<Global, L, u32> {
+        self.links.at(node.into())
+    }
+
+    /// Give all nodes back, in the clear pass.
+    #[inline(always)]
+    #[track_caller]
+    pub fn clear_frame<M: Memory>(self, mem: &M) -> impl Future<Output = ()> + Unpin {
+        mem.store(self.pool.counter(), 0, Order::Relaxed)
+    }
+
+    /// Empty a pixel's list, in the clear pass.
+    #[inline(always)]
+    #[track_caller]
+    pub fn clear<M: Memory>(
+        self,
+        mem: &M,
+        pixel: u32,
+        list: u32,
+    ) -> impl Future<Output = ()> + Unpin {
+        mem.store(self.head(pixel, list), NONE, Order::Relaxed)
+    }
+
+    /// Take a node from the pool; from [`Self::capacity`] on, there is none.
+    #[inline(always)]
+    #[track_caller]
+    pub fn take<M: Memory>(self, mem: &M) -> impl Future<Output = u32> + Unpin {
+        mem.take(self.pool)
+    }
+
+    /// Write the fragment into a node.
+    #[inline(always)]
+    #[track_caller]
+    pub fn fill<M: Memory>(
+        self,
+        mem: &M,
+        node: u32,
+        fragment: Fragment,
+    ) -> impl Future<Output = ()> + Unpin {
+        mem.plain_store(self.keys.at(node.into()), fragment.key())
+    }
+
+    /// The key of a node's fragment.
+    #[inline(always)]
+    #[track_caller]
+    pub fn key<M: Memory>(self, mem: &M, node: u32) -> impl Future<Output = u64> + Unpin {
+        mem.plain_load(self.keys.at(node.into()))
+    }
+
+    /// Make a node the first of its list, by an exchange; where it has to lead to.
+    #[inline(always)]
+    #[track_caller]
+    pub fn publish<M: Memory>(
+        self,
+        mem: &M,
+        pixel: u32,
+        list: u32,
+        node: u32,
+        order: Order,
+    ) -> impl Future<Output = u32> + Unpin {
+        mem.exchange(self.head(pixel, list), node, order)
+    }
+
+    /// The nodes of a list, in its order, up to its end or its first flaw.
+    pub fn nodes<'w>(
+        self,
+        words: &'w Snapshot<'_>,
+        pixel: u32,
+        list: u32,
+    ) -> impl Iterator<Item = Result<Node, Flaw>> + 'w
+    where
+        L: 'w,
+    {
+        let (mut node, mut seen) = (words.get(self.head(pixel, list)).unwrap_or(NONE), 0);
+        std::iter::from_fn(move || {
+            let number = node;
+            if number == NONE {
+                return None;
+            }
+            node = NONE;
+            if u64::from(number) >= self.capacity() {
+                return Some(Err(Flaw::Outside { node: number, of: self.capacity() }));
+            }
+            if seen == self.capacity() {
+                return Some(Err(Flaw::Endless(seen)));
+            }
+            let written = (words.get(self.link(number)), words.get(self.keys.at(number.into())));
+            let (Some(next), Some(key)) = written else {
+                return Some(Err(Flaw::Unwritten(number)));
+            };
+            (node, seen) = (next, seen + 1);
+            Some(Ok(Node { number, next, key }))
+        })
+    }
+
+    /// A node as a test wants it.
+    #[cfg(test)]
+    pub(in crate::scheme) fn set<S>(self, memory: &mut super::hand_made::HandMade<S>, node: Node)
+    where
+        S: crate::scheme::Scheme,
+    {
+        memory.set(self.link(node.number), node.next);
+        memory.set(self.keys.at(node.number.into()), node.key);
+    }
+}
+
+impl Lists<Plain> {
+    /// Follow a list, in resolve.
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub async fn collect<M: Memory, Caller>(self, mem: &M, pixel: u32, list: u32, keys: &mut Keys) {
+        let mut node = mem.load(self.head(pixel, list), Order::Relaxed).await;
+        while node != NONE {
+            keys.push(self.key(mem, node).await);
+            node = mem.plain_load(self.link(node)).await;
+        }
+    }
+}
