@@ -5,7 +5,7 @@ mod support;
 
 use fragloom::catalogue;
 use fragloom::explore::program::litmus::of_size;
-use fragloom::explore::{Device, Family, Limits, MemoryModel, Profile, Subject, explore};
+use fragloom::explore::{Conditions, Family, Limits, MemoryModel, Profile, Subject, explore};
 use support::{median, time};
 
 const TURNS: usize = 5;
@@ -31,11 +31,11 @@ fn main() {
         let instances = of_size(&subject, &family, n);
         let Some(litmus) = instances.first() else { continue };
         let limits = Limits { states: 50_000_000, cancelled: &|| false };
-        let device = Device { memory, warp: None };
+        let conditions = Conditions { memory, warp: None };
         let mut size = (0, 0);
         let turn = |_| {
             time(|| {
-                let explored = explore(&subject, litmus, device, &limits);
+                let explored = explore(&subject, litmus, conditions, &limits);
                 size = (explored.states, explored.transitions);
             })
         };

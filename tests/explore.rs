@@ -15,8 +15,8 @@ use fragloom::catalogue::{self, Catalogue};
 use fragloom::explore::verdict::claims::claim_by_id;
 use fragloom::explore::verdict::matrix::{Fate, Line, matrix};
 use fragloom::explore::{
-    Device, Family, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property, Row, Subject,
-    Survey, Token, Verdict, check, explore, properties, replay,
+    Conditions, Family, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property,
+    Subject, Survey, Token, Verdict, check, explore, properties, replay,
 };
 use fragloom::fragment::{data_of, depth_of, key, pair_key};
 use fragloom::num::depth::{EMPTY, FARTHEST};
@@ -39,8 +39,8 @@ fn subject(method: &str) -> Subject {
 
 fn survey(method: &str, memory: MemoryModel, fragments: u32) -> Survey {
     let family = Family { fragments, ks: vec![1, 2, 3], helpers: 0 };
-    let device = Device { memory, warp: None };
-    Survey::new(&subject(method), &family, device, &LIMITS)
+    let conditions = Conditions { memory, warp: None };
+    Survey::new(&subject(method), &family, conditions, &LIMITS)
 }
 
 /// Every property verified, and one outcome, which is the exact one.
@@ -88,8 +88,8 @@ fn three(k: Option<u32>) -> Litmus {
 }
 
 fn explored(method: &str, litmus: &Litmus) -> fragloom::explore::Explored {
-    let device = Device { memory: MemoryModel::Sequential, warp: None };
-    explore(&subject(method), litmus, device, &LIMITS)
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    explore(&subject(method), litmus, conditions, &LIMITS)
 }
 
 /// The list that a pixel holds.
@@ -176,7 +176,7 @@ fn plan(fragments: Option<u32>) -> Plan {
 
 /// A violated row's token runs again and shows the same.
 #[track_caller]
-fn shows_it_again(row: &Row) {
+fn shows_it_again(row: &Finding) {
     let token = row.token.as_ref().expect("a token").parse().expect("a token of ours");
     let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
     assert!(token.litmus.fragments.len() <= 4, "{row:?}");
@@ -197,8 +197,8 @@ fn shows_it_again(row: &Row) {
 }
 
 /// The verdict of a method under a memory model.
-fn verdict(rows: &[Row], method: &str, memory: &str, profile: Option<&str>) -> Verdict {
-    let is_it = |row: &&Row| {
+fn verdict(rows: &[Finding], method: &str, memory: &str, profile: Option<&str>) -> Verdict {
+    let is_it = |row: &&Finding| {
         row.method == method && row.memory == memory && row.profile.as_deref() == profile
     };
     rows.iter().find(is_it).unwrap_or_else(|| panic!("{method} {memory} {profile:?}")).verdict
@@ -338,8 +338,8 @@ fn the_example_is_verified_and_its_broken_twin_is_not() {
     println!("{} rows, {} states in the first", rows.len(), rows[0].states);
     let broken = Subject::of::<CasList<true>>();
     let rows = check(&broken, &Plan::default(), &LIMITS);
-    let violated: Vec<&Row> = rows.iter().filter(|r| r.verdict == Verdict::Violated).collect();
-    let keeps = |row: &&&Row| row.property.as_deref() == Some("keeps");
+    let violated: Vec<&Finding> = rows.iter().filter(|r| r.verdict == Verdict::Violated).collect();
+    let keeps = |row: &&&Finding| row.property.as_deref() == Some("keeps");
     let keeps = violated.iter().find(keeps).expect("it loses a fragment");
     assert!(keeps.instance.starts_with("n=2 "), "{keeps:?}");
     let token = keeps.token.as_ref().expect("a token").parse().expect("a token of ours");
@@ -369,7 +369,7 @@ fn rows_do_not_depend_on_the_number_of_threads() {
 
 /// No verified row without having seen everything.
 #[track_caller]
-fn is_all_unknown(rows: &[Row], words: &str) {
+fn is_all_unknown(rows: &[Finding], words: &str) {
     assert!(!rows.is_empty());
     for row in rows {
         assert_eq!((row.verdict, row.exhaustive), (Verdict::Unknown, false), "{row:?}");

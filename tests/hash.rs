@@ -16,7 +16,7 @@ use fragloom::num::depth::Format;
 use fragloom::num::random::Random;
 use fragloom::raster::Grid;
 use fragloom::render::{
-    Data, Effect, Exec, HashOptions, Lists, Offsets, Options, Policy, Rendering, Shadows, Sim,
+    Data, Effect, Exec, Lists, Offsets, Options, Policy, Rendering, Shadows, Sim, TableOptions,
 };
 use fragloom::scene::Scene;
 use fragloom::scheme::hash_table::ha::{self, Bits32, Bits64, HaBuffer, Record};
@@ -337,12 +337,12 @@ fn full_edge() -> u32 {
     edge.map_or(EDGE, |edge| edge.parse().expect("FRAGLOOM_EDGE: a number of pixels"))
 }
 
-fn with(method: &str, exec: Exec, data: Data, hash: HashOptions) -> Options {
-    Options { exec, data, hash, depth_format: Some(Format::D24), ..options(method, None) }
+fn with(method: &str, exec: Exec, data: Data, table: TableOptions) -> Options {
+    Options { exec, data, table, depth_format: Some(Format::D24), ..options(method, None) }
 }
 
-fn loaded(load: u32) -> HashOptions {
-    HashOptions { load: Some(load), ..HashOptions::default() }
+fn loaded(load: u32) -> TableOptions {
+    TableOptions { load: Some(load), ..TableOptions::default() }
 }
 
 fn schedules() -> impl Iterator<Item = Exec> {
@@ -362,7 +362,7 @@ fn without_alike(drawn: &Rendering) -> Lists {
 fn no_schedule_changes_a_table() {
     let edge = full_edge();
     let scene = crowded_at(edge);
-    let exact = |data| draw(&scene, &with("exact", Exec::Tile, data, HashOptions::default()));
+    let exact = |data| draw(&scene, &with("exact", Exec::Tile, data, TableOptions::default()));
     let (triangles, colors) = (exact(Data::Primitive), exact(Data::Color));
     assert!(triangles.report.generated > 2 * u64::from(edge * edge));
     for load in [30, 50, 80, 90, 95] {
@@ -396,7 +396,7 @@ fn no_schedule_changes_a_list() {
     let glass = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/glass.toml");
     for name in ["cubes", "gears", "bottles", "hairball:strands=150", "stack:count=30", glass] {
         let scene = scene(name, [full_edge(); 2]);
-        let exact = |data| draw(&scene, &with("exact", Exec::Tile, data, HashOptions::default()));
+        let exact = |data| draw(&scene, &with("exact", Exec::Tile, data, TableOptions::default()));
         let words = [Data::Primitive, Data::Color];
         let right = words.map(|data| (data, without_alike(&exact(data))));
         let execs = [Exec::Tile, Exec::Threads, Exec::Tile, Exec::Threads];
@@ -417,15 +417,15 @@ fn no_schedule_changes_a_list() {
 fn of_fragments_that_are_alike_one_is_kept_and_the_others_are_counted() {
     let mut scene = scene("synthetic:n=6,tessellation=2", [40, 30]);
     scene.screen.extend_from_within(..24);
-    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, HashOptions::default()));
+    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, TableOptions::default()));
     let alike = exact.report.generated - without_alike(&exact).entries.len() as u64;
     assert!(alike > 0, "the scene has some");
     for exec in [Exec::Tile, Exec::Threads, sim(Policy::Random, 1), sim(Policy::Warp(8), 1)] {
-        let drawn = draw(&scene, &with("ha64", exec.clone(), Data::Color, HashOptions::default()));
+        let drawn = draw(&scene, &with("ha64", exec.clone(), Data::Color, TableOptions::default()));
         assert_eq!(drawn.report.dropped, BTreeMap::from([("duplicate".to_owned(), alike)]));
         assert_eq!(*drawn.lists().expect("lists"), without_alike(&exact), "{exec:?}");
         assert_eq!(drawn.report.violations, Vec::<String>::new());
-        let all = with("ha64-multiset", exec, Data::Color, HashOptions::default());
+        let all = with("ha64-multiset", exec, Data::Color, TableOptions::default());
         assert_eq!(lists(&scene, &all), *exact.lists().expect("lists"));
     }
 }
@@ -434,7 +434,7 @@ fn of_fragments_that_are_alike_one_is_kept_and_the_others_are_counted() {
 #[test]
 fn depths_alone_are_those_of_the_reference() {
     let scene = crowded();
-    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Nothing, HashOptions::default()));
+    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Nothing, TableOptions::default()));
     for load in [50, 90] {
         for exec in [Exec::Tile, Exec::Threads, sim(Policy::Pct(3), 4), sim(Policy::Random, 4)] {
             let drawn = draw(&scene, &with("ha32", exec, Data::Nothing, loaded(load)));
@@ -445,7 +445,7 @@ fn depths_alone_are_those_of_the_reference() {
 
 /// The book's table for a scene's fragments.
 fn book_of(scene: &Scene, settings: &TableSettings) -> Book {
-    let exact = with("exact", Exec::Tile, Data::Primitive, HashOptions::default());
+    let exact = with("exact", Exec::Tile, Data::Primitive, TableOptions::default());
     let all = lists(scene, &exact);
     let mut book = Book::new(settings);
     for y in 0..scene.size[1] {
@@ -462,10 +462,10 @@ fn an_age_limit_and_a_full_table_lose_what_is_named() {
     let scene = scene("synthetic:n=12,tessellation=3,density=24", [48, 48]);
     let full = [48, 48];
     let cases = [
-        (HashOptions { ages: 3, ..loaded(80) }, "age"),
-        (HashOptions { ages: 15, ..loaded(95) }, "age"),
-        (HashOptions { size: Some(full), ..HashOptions::default() }, "full"),
-        (HashOptions { size: Some([64, 80]), ages: 9, ..HashOptions::default() }, "age"),
+        (TableOptions { ages: 3, ..loaded(80) }, "age"),
+        (TableOptions { ages: 15, ..loaded(95) }, "age"),
+        (TableOptions { size: Some(full), ..TableOptions::default() }, "full"),
+        (TableOptions { size: Some([64, 80]), ages: 9, ..TableOptions::default() }, "age"),
     ];
     for (hash, reason) in cases {
         let first = draw(&scene, &with("ha64", Exec::Tile, Data::Primitive, hash.clone()));
@@ -494,7 +494,7 @@ fn an_age_limit_and_a_full_table_lose_what_is_named() {
 
 /// Which fragments a list lacks.
 fn lost(scene: &Scene, found: &Lists) -> Vec<((u32, u32), u64)> {
-    let exact = with("exact", Exec::Tile, Data::Primitive, HashOptions::default());
+    let exact = with("exact", Exec::Tile, Data::Primitive, TableOptions::default());
     let all = lists(scene, &exact);
     let mut missing = Vec::new();
     for y in 0..scene.size[1] {
@@ -529,7 +529,7 @@ fn what_must_always_be_true_is() {
         Exec::Sim(Sim { policy, seed, resident: 96, record: false, watch: None, check: true })
     };
     let scene = crowded();
-    let (mut steps, hash) = (0, || HashOptions { ages: 31, ..loaded(80) });
+    let (mut steps, hash) = (0, || TableOptions { ages: 31, ..loaded(80) });
     for (seed, policy) in (0..).zip([Policy::Random, Policy::RoundRobin, Policy::Warp(8)]) {
         for method in ["ha64", "ha32", "ha64-cull"] {
             let run = with(method, checked(policy.clone(), seed), Data::Color, hash());
@@ -585,11 +585,11 @@ fn early_culling_is_conservative_and_as_published_it_is_not() {
 #[test]
 fn without_a_threshold_all_is_kept() {
     let scene = scene("layers:count=9,alpha=0.5", [24, 24]);
-    let hash = HashOptions { threshold: 1.0, ..HashOptions::default() };
+    let hash = TableOptions { threshold: 1.0, ..TableOptions::default() };
     let drawn = draw(&scene, &with("ha64-cull", Exec::Threads, Data::Color, hash));
-    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, HashOptions::default()));
+    let exact = draw(&scene, &with("exact", Exec::Tile, Data::Color, TableOptions::default()));
     assert_eq!(*drawn.lists().expect("lists"), without_alike(&exact));
-    let opaque = HashOptions { threshold: 0.4, ..HashOptions::default() };
+    let opaque = TableOptions { threshold: 0.4, ..TableOptions::default() };
     let drawn = draw(&scene, &with("ha64-cull", Exec::Tile, Data::Color, opaque)).report;
     assert_eq!((drawn.kept, drawn.culled), (24 * 24, 8 * 24 * 24), "half of the light is enough");
 }
@@ -615,7 +615,7 @@ fn effects_are_the_same_on_a_hash_table() {
     for (name, effect, data, shadows, method) in cases {
         let scene = scene(name, [72, 60]);
         let drawn = |method: &str, exec| {
-            let options = with(method, exec, data, HashOptions::default());
+            let options = with(method, exec, data, TableOptions::default());
             draw(&scene, &Options { effect: effect.clone(), shadows, ..options })
         };
         let right = drawn("ab-ll", Exec::Tile);

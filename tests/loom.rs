@@ -21,7 +21,7 @@ use fragloom::resolve::sort;
 use fragloom::scheme::a_buffer::ab_array::{AbArray, AtomicAdd, LoadStore};
 use fragloom::scheme::a_buffer::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
 use fragloom::scheme::a_buffer::ab_ll_paged::AbPagedList;
-use fragloom::scheme::contract::Kind;
+use fragloom::scheme::contract::PassKind;
 use fragloom::scheme::hash_table::ha::{Bits32, Bits64, HaBuffer};
 use fragloom::scheme::hash_table::table::{Offsets, TableSettings};
 use fragloom::scheme::k_buffer::kb_ll::{self, KNearestList};
@@ -94,7 +94,7 @@ fn insertion<S: Scheme<Holds = Keys>>(
         Pipeline::clear_frame(&*scheme, &mem);
         Pipeline::clear(&*scheme, &mem, 0..1);
         for (number, pass) in S::CONTRACT.program.passes.iter().enumerate() {
-            if pass.kind == Kind::Frame {
+            if pass.kind == PassKind::Frame {
                 let all = 0..Pipeline::<Loom<'_>>::invocations(&*scheme, number);
                 Pipeline::frame(&*scheme, &mem, number, all);
             }

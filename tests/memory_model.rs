@@ -7,7 +7,9 @@
 
 use std::collections::BTreeSet;
 
-use fragloom::explore::{Device, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore};
+use fragloom::explore::{
+    Conditions, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore,
+};
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Update, Words};
 
@@ -656,9 +658,9 @@ fn observe(number: usize, memory: MemoryModel) -> Observed {
         table: None,
         inputs: Vec::new(),
     };
-    let device = Device { memory, warp: None };
+    let conditions = Conditions { memory, warp: None };
     let limits = Limits { states: 2_000_000, cancelled: &|| false };
-    let explored = explore(&Subject::of::<Threads>(), &litmus, device, &limits);
+    let explored = explore(&Subject::of::<Threads>(), &litmus, conditions, &limits);
     assert!(explored.complete, "{}, {memory}: {} states", program.name, explored.states);
     Observed {
         results: explored.outcomes.keys().map(|pixels| result(program, &pixels[0])).collect(),

@@ -5,8 +5,8 @@
 use fragloom::catalogue;
 use fragloom::explore::search::progress::ends;
 use fragloom::explore::{
-    Device, Explored, Limits, Litmus, MemoryModel, Plan, Progress, Property, Row, Subject, Token,
-    Verdict, check, explore, replay, termination,
+    Conditions, Explored, Finding, Limits, Litmus, MemoryModel, Plan, Progress, Property, Subject,
+    Token, Verdict, check, explore, replay, termination,
 };
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
@@ -259,14 +259,14 @@ fn plan(progress: &[Progress], helpers: u32) -> Plan {
     Plan { fragments, ks, progress: Some(progress.to_vec()), helpers, ..Plan::default() }
 }
 
-fn row<'a>(rows: &'a [Row], progress: &str) -> &'a Row {
+fn row<'a>(rows: &'a [Finding], progress: &str) -> &'a Finding {
     let row = rows.iter().find(|row| row.progress.as_deref() == Some(progress));
     row.unwrap_or_else(|| panic!("no row for {progress}"))
 }
 
 /// The row is violated by a schedule that never ends, and its token shows it again.
 #[track_caller]
-fn hangs(subject: &Subject, row: &Row) {
+fn hangs(subject: &Subject, row: &Finding) {
     assert_eq!(row.verdict, Verdict::Violated, "{row:?}");
     let token = row.token.as_ref().expect("a token").parse().expect("a token of ours");
     let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
@@ -344,8 +344,8 @@ fn waits_in_no_block_have_no_verdict_under_simt() {
 }
 
 fn explored<const IDIOM: usize>(n: u32, k: u32) -> Explored {
-    let device = Device { memory: MemoryModel::Sequential, warp: None };
-    explore(&Subject::of::<Waits<IDIOM>>(), &instance(n, Some(k)), device, &LIMITS)
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    explore(&Subject::of::<Waits<IDIOM>>(), &instance(n, Some(k)), conditions, &LIMITS)
 }
 
 /// Search takes two invocations for one where they stand at one place and say that nothing else matters; what comes

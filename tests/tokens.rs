@@ -1,7 +1,7 @@
 //! Tokens: whatever happens to one on its way, it is refused with a reason, or it is the one that was sent.
 
 use fragloom::catalogue::{self, Catalogue};
-use fragloom::explore::{Limits, Plan, Row, Subject, Token, check, replay};
+use fragloom::explore::{Finding, Limits, Plan, Subject, Token, check, replay};
 use proptest::prelude::*;
 
 const LIMITS: Limits<'static> = Limits { states: 1_000_000, cancelled: &|| false };
@@ -20,7 +20,7 @@ fn tokens() -> &'static [String] {
     TOKENS.get_or_init(|| {
         let of = |method: &str| check(&subject(method), &small(), &LIMITS);
         let methods = ["kb", "kplus-array@M1", "kplus-array@M19", "ab-ll@M14"];
-        let rows: Vec<Row> = methods.into_iter().flat_map(of).collect();
+        let rows: Vec<Finding> = methods.into_iter().flat_map(of).collect();
         rows.into_iter().filter_map(|row| row.token).collect()
     })
 }

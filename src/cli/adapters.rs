@@ -2,9 +2,9 @@
 
 use super::{Verdict, say};
 use crate::error::Result;
+use crate::gpu::check::open;
 use crate::gpu::driver::device::{self, Device};
 use crate::gpu::driver::failure::Failure;
-use crate::gpu::driver::open;
 use crate::gpu::twin::raster;
 use crate::report::json;
 use crate::report::text::{Align, columns};
@@ -18,7 +18,7 @@ pub(super) struct Args {
 
 /// What an adapter has, as far as it matters here.
 #[derive(Debug, serde::Serialize)]
-struct Row {
+struct Traits {
     #[serde(flatten)]
     name: device::AdapterName,
     /// Measured.
@@ -37,7 +37,7 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     if found.is_empty() {
         return Err(open::none(None));
     }
-    let rows: Vec<Row> = found.iter().map(adapter).collect();
+    let rows: Vec<Traits> = found.iter().map(adapter).collect();
     if args.json {
         say::result(&json::document(&rows)?)?;
         return Ok(Verdict::Clean);
@@ -57,19 +57,19 @@ pub(super) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::Clean)
 }
 
-fn adapter(adapter: &wgpu::Adapter) -> Row {
+fn adapter(adapter: &wgpu::Adapter) -> Traits {
     let measured: std::result::Result<(Device, u32), Failure> = Device::open(adapter)
         .and_then(|device| raster::sub_pixel_bits(&device).map(|bits| (device, bits)));
     let name = device::name(adapter);
     match measured {
-        Ok((device, bits)) => Row {
+        Ok((device, bits)) => Traits {
             name,
             sub_pixel_bits: Some(bits),
             atomics64: device.atomics64,
             largest_buffer: device.largest(),
             problem: None,
         },
-        Err(failure) => Row {
+        Err(failure) => Traits {
             name,
             sub_pixel_bits: None,
             atomics64: false,

@@ -66,7 +66,7 @@ pub(super) struct Args {
 
 /// One method on one scene, by one executor; and by a device, if one was asked for.
 #[derive(Clone, Debug, Default, serde::Serialize)]
-struct Row {
+struct Timing {
     method: String,
     scene: String,
     exec: String,
@@ -148,12 +148,12 @@ fn options(args: &Args, method: Method, exec: Exec, sub_pixel_bits: u32) -> Opti
     }
 }
 
-fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Row>> {
+fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Timing>> {
     [Exec::Tile, Exec::Threads]
         .into_iter()
         .map(|exec| {
             let options = options(args, method, exec, 8);
-            let runs: Vec<Run> =
+            let runs: Vec<TimedFrame> =
                 (0..args.repeats).map(|_| once(scene, &options)).collect::<Result<_>>()?;
             Ok(row(&runs))
         })
@@ -162,27 +162,27 @@ fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Row>> {
 
 /// A frame: who drew it, and its times.
 #[derive(Clone, Debug)]
-struct Run {
-    row: Row,
+struct TimedFrame {
+    row: Timing,
     seconds: BTreeMap<String, f64>,
     frame: f64,
 }
 
-fn once(scene: &Scene, options: &Options) -> Result<Run> {
+fn once(scene: &Scene, options: &Options) -> Result<TimedFrame> {
     let report = render(scene, options)?.report;
     let frame = report.seconds.get("draw").copied().unwrap_or_default();
-    let row = Row {
+    let row = Timing {
         method: report.method,
         scene: report.scene,
         exec: report.exec,
         threads: report.threads,
         fragments: report.generated,
-        ..Row::default()
+        ..Timing::default()
     };
-    Ok(Run { row, seconds: report.seconds, frame })
+    Ok(TimedFrame { row, seconds: report.seconds, frame })
 }
 
-fn row(runs: &[Run]) -> Row {
+fn row(runs: &[TimedFrame]) -> Timing {
     let first = &runs[0];
     let phase = |name: &String| {
         let times = runs.iter().filter_map(|run| run.seconds.get(name).copied()).collect();
@@ -190,7 +190,7 @@ fn row(runs: &[Run]) -> Row {
     };
     let frame = median(runs.iter().map(|run| run.frame).collect());
     let seconds = first.seconds.keys().map(phase).collect();
-    Row { seconds, mfrag_per_s: first.row.fragments as f64 / frame / 1e6, ..first.row.clone() }
+    Timing { seconds, mfrag_per_s: first.row.fragments as f64 / frame / 1e6, ..first.row.clone() }
 }
 
 /// The middle one, or the mean of both.
@@ -203,7 +203,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[Timing]) -> String {
     use Align::{Left, Right};
     let heading = [
         "method",
@@ -248,19 +248,21 @@ fn table(rows: &[Row]) -> String {
 mod devices {
     //! By turns with devices.
 
-    use super::{Args, Exec, Method, Result, Row, Run, Scene, median, once, options, row};
-    use crate::gpu::check::band::Picture;
+    use super::{
+        Args, Exec, Method, Result, Scene, TimedFrame, Timing, median, once, options, row,
+    };
     use crate::gpu::check::crosscheck::find;
+    use crate::gpu::check::open::Opened;
     use crate::gpu::check::race::Contender;
     use crate::gpu::driver::failure::Failure;
-    use crate::gpu::driver::open::Opened;
+    use crate::gpu::twin::band::Picture;
 
     pub(super) fn rows(
         args: &Args,
         scene: &Scene,
         method: Method,
         devices: &[Opened],
-    ) -> Result<Vec<Row>> {
+    ) -> Result<Vec<Timing>> {
         let twin = find(method)?;
         let mut rows = Vec::new();
         for opened in devices {
@@ -289,21 +291,21 @@ mod devices {
     }
 
     fn beside(
-        runs: &[Run],
+        runs: &[TimedFrame],
         opened: &Opened,
         theirs: std::result::Result<Vec<f64>, Failure>,
-    ) -> Row {
+    ) -> Timing {
         let adapter = Some(opened.device.name.name.clone());
-        let row = Row { adapter, ..row(runs) };
+        let row = Timing { adapter, ..row(runs) };
         match theirs {
-            Err(failure) => Row { unsupported: Some(failure.to_string()), ..row },
+            Err(failure) => Timing { unsupported: Some(failure.to_string()), ..row },
             Ok(seconds) => {
-                let ratio = |(run, theirs): (&Run, &f64)| theirs / run.frame;
+                let ratio = |(run, theirs): (&TimedFrame, &f64)| theirs / run.frame;
                 let ratios: Vec<f64> = runs.iter().zip(&seconds).map(ratio).collect();
                 let ends = ratios.iter().fold([f64::MAX, 0.0f64], |[low, high], &ratio| {
                     [low.min(ratio), high.max(ratio)]
                 });
-                Row {
+                Timing {
                     gpu_seconds: Some(median(seconds)),
                     ratio: Some(median(ratios)),
                     ratio_spread: Some(ends),

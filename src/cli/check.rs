@@ -11,8 +11,8 @@ use crate::explore::verdict::claims::claim_by_id;
 use crate::explore::verdict::expect::{self, Expectation};
 use crate::explore::verdict::matrix;
 use crate::explore::{
-    Device, Executions, Limits, MemoryModel, Plan, Profile, Progress, Row, Subject, Survey, check,
-    cut, properties, sampled,
+    Conditions, Executions, Finding, Limits, MemoryModel, Plan, Profile, Progress, Subject, Survey,
+    check, cut, properties, sampled,
 };
 use crate::render::{Exec, Options, Sim};
 use crate::report::{json, verdicts};
@@ -140,8 +140,8 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     Ok(judge(&rows, expected.as_deref()))
 }
 
-fn judge(rows: &[Row], expected: Option<&[Expectation]>) -> Verdict {
-    let violated = |row: &Row| row.verdict == crate::explore::Verdict::Violated;
+fn judge(rows: &[Finding], expected: Option<&[Expectation]>) -> Verdict {
+    let violated = |row: &Finding| row.verdict == crate::explore::Verdict::Violated;
     let wrong = match expected {
         None => rows.iter().any(violated),
         Some(expected) => {
@@ -159,7 +159,12 @@ fn read_expectations(path: &str) -> Result<Vec<Expectation>> {
     expect::parse(path, &text)
 }
 
-fn rows(catalogue: &Catalogue, args: &Args, plan: &Plan, limits: &Limits<'_>) -> Result<Vec<Row>> {
+fn rows(
+    catalogue: &Catalogue,
+    args: &Args,
+    plan: &Plan,
+    limits: &Limits<'_>,
+) -> Result<Vec<Finding>> {
     let quiet = args.output.quiet;
     if let Some(id) = &args.claim {
         let claim = claim_by_id(id)?;
@@ -177,7 +182,7 @@ fn rows(catalogue: &Catalogue, args: &Args, plan: &Plan, limits: &Limits<'_>) ->
         };
         let scene = wait::during(quiet, "loading", || scene::load(name, &overrides))?;
         let check = |s: &Subject| on_scene(args, plan, s, name, &scene, limits);
-        let run = || subjects.iter().map(check).collect::<Result<Vec<Vec<Row>>>>();
+        let run = || subjects.iter().map(check).collect::<Result<Vec<Vec<Finding>>>>();
         return Ok(wait::during(quiet, "checking", run)?.concat());
     }
     let check = |s: &Subject| check(s, plan, limits);
@@ -203,7 +208,7 @@ fn on_scene(
     name: &str,
     scene: &Scene,
     limits: &Limits<'_>,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<Finding>> {
     let policy = values::schedule(&args.schedule)?;
     let sim = Sim { policy, seed: args.seed, resident: args.resident, ..Sim::default() };
     let options =
@@ -224,8 +229,8 @@ fn on_scene(
     let litmus = cut(subject, scene, &options, pixel)?;
     let mut rows = Vec::new();
     for &memory in &plan.memory {
-        let device = Device { memory, warp: None };
-        let survey = sampled(subject, &litmus, device, args.executions, limits)?;
+        let conditions = Conditions { memory, warp: None };
+        let survey = sampled(subject, &litmus, conditions, args.executions, limits)?;
         rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
     }
     Ok(rows)

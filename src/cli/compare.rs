@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
-use self::row::Row;
+use self::row::Compared;
 use super::flags::{Drawing, Output};
 use super::settings::resolve;
 use super::{Verdict, say, wait};
@@ -74,15 +74,15 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let options = settings.options;
     let mut session = Session { scene, options, warnings, quiet, references: BTreeMap::new() };
     let rows = methods.iter().map(|&method| session.compare(method, args.folder.as_deref()));
-    let rows: Vec<Row> = rows.collect::<Result<_>>()?;
+    let rows: Vec<Compared> = rows.collect::<Result<_>>()?;
     let text = if args.output.json { json::document(&rows)? } else { row::table(&rows) };
     say::result(&text)?;
     rows.iter().for_each(|row| complain(row, &session.warnings));
-    Ok(if rows.iter().all(Row::agrees) { Verdict::Clean } else { Verdict::Found })
+    Ok(if rows.iter().all(Compared::agrees) { Verdict::Clean } else { Verdict::Found })
 }
 
 /// What one method alone brought up.
-fn complain(row: &Row, known: &[String]) {
+fn complain(row: &Compared, known: &[String]) {
     for warning in row.warnings.iter().filter(|warning| !known.contains(warning)) {
         say::warning(&format!("{}: {warning}", row.method));
     }
@@ -120,7 +120,7 @@ struct Session {
 }
 
 impl Session {
-    fn compare(&mut self, method: Method, folder: Option<&Path>) -> Result<Row> {
+    fn compare(&mut self, method: Method, folder: Option<&Path>) -> Result<Compared> {
         let contract = method.contract();
         let options = Options { method, ..self.options.clone() };
         let drawn = self.draw(&options)?;
@@ -129,7 +129,7 @@ impl Session {
         self.prepare(None, data)?;
         self.prepare(k, data)?;
         let (all, same) = (&self.references[&(None, data)], &self.references[&(k, data)]);
-        let mut row = Row::new(method.name(), self.options.method.name(), k, &drawn);
+        let mut row = Compared::new(method.name(), self.options.method.name(), k, &drawn);
         row.warnings.retain(|warning| !self.warnings.contains(warning));
         row.warnings.splice(..0, self.warnings.iter().cloned());
         row.lists_equal = match (drawn.kept.fragments(), same.kept.fragments()) {

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::gpu::check::band::Picture;
 use crate::gpu::check::compare::Differences;
-use crate::gpu::check::crosscheck::{self, Options, Path, Row, Status};
+use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
+use crate::gpu::check::open;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Failure;
-use crate::gpu::driver::open;
+use crate::gpu::twin::band::Picture;
 use crate::gpu::twin::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};
@@ -58,7 +58,7 @@ pub(super) struct Args {
 
     /// In which order the compute path gets the fragments
     #[arg(long, value_enum, value_name = "ORDER", default_value = "shuffled")]
-    order: Order,
+    order: FragmentOrder,
 
     /// Seed of `--order shuffled`, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
@@ -98,7 +98,7 @@ enum PathFlag {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Order {
+enum FragmentOrder {
     Shuffled,
     Submission,
 }
@@ -148,7 +148,7 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
         ));
     }
     // What is unsupported is no pass.
-    let compared = rows.iter().any(Row::is_compared);
+    let compared = rows.iter().any(Agreement::is_compared);
     if !compared {
         say::violation("nothing was compared");
     }
@@ -189,7 +189,7 @@ fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
             PathFlag::Compute => Path::Compute,
         }];
     }
-    options.shuffle = (args.order == Order::Shuffled).then_some(args.seed);
+    options.shuffle = (args.order == FragmentOrder::Shuffled).then_some(args.seed);
     for method in options.twins.iter().map(|twin| twin.method) {
         let most = method.contract().max_k;
         if let Some(k) = args.k.filter(|&k| k > most) {
@@ -211,8 +211,8 @@ fn compare(
     scene: &Scene,
     devices: &[open::Opened],
     options: &Options,
-) -> Result<Vec<Row>> {
-    let mut rows: Vec<Row> = Vec::new();
+) -> Result<Vec<Agreement>> {
+    let mut rows: Vec<Agreement> = Vec::new();
     for bits in [8, 4] {
         let own: Vec<&open::Opened> = devices.iter().filter(|d| d.bits() == bits).collect();
         if own.is_empty() {
@@ -242,10 +242,10 @@ fn without_raster(
     options: &Options,
     bits: u32,
     failure: &Failure,
-) -> Vec<Row> {
+) -> Vec<Agreement> {
     let name = opened.device.name.clone();
     let (status, is_finding, reason) = crosscheck::failed(failure);
-    let row = |twin: &Twin| Row {
+    let row = |twin: &Twin| Agreement {
         adapter: name.name.clone(),
         driver: name.driver.clone(),
         method: twin.method.name().to_owned(),
@@ -264,7 +264,7 @@ fn without_raster(
 }
 
 /// What was compared, in all: by adapter and path, and whether the result may depend on the schedule.
-fn summary(catalogue: &Catalogue, rows: &[Row]) -> String {
+fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
     use Align::{Left, Right};
     let heading = [
         "adapter",
@@ -284,12 +284,12 @@ fn summary(catalogue: &Catalogue, rows: &[Row]) -> String {
         "not allowed",
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    let group = |row: &Row| {
+    let group = |row: &Agreement| {
         let method = catalogue.find("-m", &row.method);
         let fixed = method.is_ok_and(|method| method.contract().order_independent());
         (row.adapter.clone(), row.driver.clone(), row.sub_pixel_bits, !fixed, row.path)
     };
-    let mut groups: BTreeMap<_, Vec<&Row>> = BTreeMap::new();
+    let mut groups: BTreeMap<_, Vec<&Agreement>> = BTreeMap::new();
     for row in rows {
         groups.entry(group(row)).or_default().push(row);
     }
@@ -328,7 +328,7 @@ fn short<'a>(name: &'a str, all: &[String]) -> &'a str {
     ends.map(|end| &name[..end]).find(is_own).unwrap_or(name)
 }
 
-fn lines(rows: &[Row], adapters: &[String]) -> String {
+fn lines(rows: &[Agreement], adapters: &[String]) -> String {
     let heading = [
         "adapter",
         "method",

@@ -37,7 +37,7 @@ pub(super) enum When {
 
 /// One frame's row.
 #[derive(Debug, Serialize)]
-struct Row {
+struct FrameLine {
     frame: u32,
     retries: u32,
     #[serde(flatten)]
@@ -88,7 +88,7 @@ pub(super) fn run(
                     .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
                 files::write_bytes(&path, &bytes)?;
             }
-            rows.push(Row { frame: number, retries, report: rendering.report });
+            rows.push(FrameLine { frame: number, retries, report: rendering.report });
             Ok(())
         })
     })?;
@@ -120,11 +120,11 @@ fn numbered(path: &Path, number: u32) -> PathBuf {
     path.with_file_name(format!("{stem}-{number:04}{ending}"))
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[FrameLine]) -> String {
     let head =
         ["frame", "generated", "kept", "culled", "dropped", "cells", "load", "age", "retries"];
     let mut cells = vec![head.map(str::to_owned).to_vec()];
-    for Row { frame, retries, report } in rows {
+    for FrameLine { frame, retries, report } in rows {
         let dropped = report.dropped.iter().map(|(why, n)| format!("{} {why}", thousands(*n)));
         let dropped: Vec<String> = dropped.collect();
         let table = report.table.as_ref();

@@ -80,13 +80,13 @@ fn litmus(
 }
 
 fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
-    let device = token.device();
-    let warp = if device.warp.is_some() { ", lanes of one warp" } else { "" };
+    let conditions = token.conditions();
+    let warp = if conditions.warp.is_some() { ", lanes of one warp" } else { "" };
     let mut text = format!(
         "{} on {}, memory {}{warp}: {} steps; it was made of a violation of '{}'\n",
         token.method,
         token.litmus.describe(),
-        device.memory,
+        conditions.memory,
         replayed.run.events.len(),
         token.property
     );
@@ -129,8 +129,8 @@ fn document(token: &LitmusToken, replayed: &Replay) -> serde_json::Value {
         "method": token.method,
         "property": token.property,
         "instance": token.litmus.describe(),
-        "memory": token.device().memory.name(),
-        "profile": token.device().memory.profile(),
+        "memory": token.conditions().memory.name(),
+        "profile": token.conditions().memory.profile(),
         "token": Token::Litmus(token.clone()).to_string(),
         "steps": replayed.run.events.len(),
         "cycle": replayed.cycle,

@@ -5,7 +5,7 @@ use super::values;
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::num::depth::Format;
-use crate::render::{self, HashOptions, Options, Policy, Sim};
+use crate::render::{self, Options, Policy, Sim, TableOptions};
 use crate::scene::{self, Overrides};
 
 /// Invocations in flight unless `--resident` is given.
@@ -51,16 +51,16 @@ pub(super) fn resolve(typed: &Drawing, method: Method, record: bool) -> Result<S
             .map(|text| values::bytes("--memory-budget", text))
             .transpose()?,
         inputs: Vec::new(),
-        hash: hash(typed)?,
+        table: table(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
     };
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
 }
 
-fn hash(typed: &Drawing) -> Result<HashOptions> {
+fn table(typed: &Drawing) -> Result<TableOptions> {
     let size = typed.table.as_deref().map(|text| values::cells("--table", text)).transpose()?;
-    Ok(HashOptions {
+    Ok(TableOptions {
         load: typed.load,
         size,
         offsets: typed.offsets.into(),

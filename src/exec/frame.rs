@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
-use super::table::Table;
+use super::table::TableWords;
 use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
 use crate::memory::Counters;
@@ -29,7 +29,7 @@ pub struct Frame {
     /// Rounds of the method's program: the most that any tile went through, where tiles go on their own.
     pub rounds: u32,
     /// The hash table, if the method has one.
-    pub table: Option<Table>,
+    pub table: Option<TableWords>,
     /// Seconds of each pass, where passes follow each other.
     pub seconds: BTreeMap<String, f64>,
 }

@@ -7,7 +7,7 @@ use crate::scheme::{Cells, Readback};
 
 /// A table's contents.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub struct TableWords {
     /// Cells across and down.
     pub size: [u32; 2],
     /// The bit of a cell at which its age begins.
@@ -34,7 +34,7 @@ impl<O: crate::memory::Observer> Source for Sim<O> {
     }
 }
 
-impl Table {
+impl TableWords {
     /// Read it back.
     #[must_use]
     pub fn new(readback: &Readback, from: &impl Source) -> Self {

@@ -15,14 +15,14 @@ use super::clock::Stopwatch;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, collected_tile, resolve_tile};
 use super::interpret::Interpreted;
-use super::table::Table;
+use super::table::TableWords;
 use super::{Instance, Job};
 use crate::fragment::Packet;
 use crate::memory::arena::Shared;
 use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::contract::Kind;
+use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
 use crate::scheme::{Held, Outcome};
 
@@ -82,14 +82,14 @@ fn frame<O: Observer + Default>(
                 Part::Pass(number) => {
                     let pass = &program.passes[number];
                     match pass.kind {
-                        Kind::Prepare | Kind::Store => {
-                            let pass = (number, pass.kind == Kind::Store);
+                        PassKind::Prepare | PassKind::Store => {
+                            let pass = (number, pass.kind == PassKind::Store);
                             stored = geometry_pass::<O>(scheme, pass, job, &shared);
                         }
-                        Kind::Screen => {
+                        PassKind::Screen => {
                             each_tile(&|mem, tile| scheme.screen(&mem, number, pixels(tile)));
                         }
-                        Kind::Frame => {
+                        PassKind::Frame => {
                             let count = scheme.invocations(number);
                             (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
                                 let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
@@ -140,7 +140,7 @@ fn frame<O: Observer + Default>(
     let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
-    let table = scheme.readback().map(|readback| Table::new(&readback, &shared.global));
+    let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared.global));
     Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
 }
 

@@ -15,13 +15,13 @@ use super::account::Tally;
 use super::drive::{Outcomes, Pipeline};
 use super::frame::{Finisher, Frame, PixelCounts, TileOutput, collected_tile, resolve_tile};
 use super::interpret::Interpreted;
-use super::table::Table;
+use super::table::TableWords;
 use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Counters, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::contract::Kind;
+use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
 use crate::scheme::{Held, Outcome};
 
@@ -60,7 +60,7 @@ fn frame<O: Observer + Default + Send>(
         counters.merge(&counts);
         done.push(tile);
     }
-    let table = scheme.readback().map(|readback| Table::new(&readback, &global));
+    let table = scheme.readback().map(|readback| TableWords::new(&readback, &global));
     let frame = Frame::new(job, done, &Tally::default(), counters);
     Frame { table, outside: frame.outside + global.outside(), ..frame }
 }
@@ -134,7 +134,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
                         let count = self.job.front.grid.tiles();
                         tiles = (0..count).into_par_iter().map(cleared).collect();
                     }
-                    Part::Pass(number) if self.kind(number) == Kind::Frame => {
+                    Part::Pass(number) if self.kind(number) == PassKind::Frame => {
                         counters.merge(&self.frame(number));
                     }
                     Part::Pass(number) => {
@@ -157,7 +157,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         outputs
     }
 
-    fn kind(&self, pass: usize) -> Kind {
+    fn kind(&self, pass: usize) -> PassKind {
         self.job.contract.program.passes[pass].kind
     }
 
@@ -220,13 +220,13 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let pixels = self.job.front.grid.pixels_per_tile() as u32;
         let first = self.first(tile);
         match self.kind(number) {
-            Kind::Screen => {
+            PassKind::Screen => {
                 self.scheme.screen(&self.memory(tile), number, first..first + pixels);
             }
             // Of one tile's passes, one over the frame's words can only be its own.
-            Kind::Frame => {}
-            Kind::Prepare => self.geometry(tile, number, false),
-            Kind::Store => self.geometry(tile, number, true),
+            PassKind::Frame => {}
+            PassKind::Prepare => self.geometry(tile, number, false),
+            PassKind::Store => self.geometry(tile, number, true),
         }
     }
 

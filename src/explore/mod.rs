@@ -17,11 +17,11 @@ pub mod search;
 pub mod verdict;
 
 pub use memory::{MemoryModel, Profile};
-pub use program::{Case, Device, Family, Final, Litmus, Subject};
+pub use program::{Case, Conditions, Family, Final, Litmus, Subject};
 pub use replay::token::Token;
 pub use sample::{Executions, cut, sampled};
 pub use search::{Explored, Found, Limits, Progress, Property, explore};
 pub use verdict::check::{Plan, Survey, check, properties, termination};
-pub use verdict::{Row, Verdict};
+pub use verdict::{Finding, Verdict};
 
 pub use crate::scheme::task::{Ended, Task};

@@ -60,8 +60,8 @@ pub struct AnimatedFrame {
 
 /// Draw a sequence of frames, and hand each to `take` when it is done.
 ///
-/// A hash table starts with as many cells as there are pixels (`options.hash.size`, if given), and then grows by a quarter
-/// at a load of 80 %, and shrinks by a quarter at 30 %, never below the image on either axis. With `options.hash.load`, it
+/// A hash table starts with as many cells as there are pixels (`options.table.size`, if given), and then grows by a quarter
+/// at a load of 80 %, and shrinks by a quarter at 30 %, never below the image on either axis. With `options.table.load`, it
 /// is sized for that load in every frame instead. Random offsets are drawn anew for every frame.
 ///
 /// # Errors
@@ -80,17 +80,17 @@ pub fn animate(
     }
     let contract = options.method.contract();
     let follows =
-        contract.crosses && options.hash.load.is_none() && options.memory_budget.is_none();
-    let mut size = follows.then(|| options.hash.size.unwrap_or(scene.size));
+        contract.crosses && options.table.load.is_none() && options.memory_budget.is_none();
+    let mut size = follows.then(|| options.table.size.unwrap_or(scene.size));
     for number in 0..frames {
         let scene = seen_from(scene, f64::from(number) / f64::from(frames));
-        let mut frame = Options { hash: options.hash.clone(), ..options.clone() };
-        if frame.hash.offsets == Offsets::Random {
-            frame.hash.seed = random::bits(options.hash.seed, FRAMES, number.into());
+        let mut frame = Options { table: options.table.clone(), ..options.clone() };
+        if frame.table.offsets == Offsets::Random {
+            frame.table.seed = random::bits(options.table.seed, FRAMES, number.into());
         }
         let mut retries = 0;
         let rendering = loop {
-            frame.hash.size = size.or(options.hash.size);
+            frame.table.size = size.or(options.table.size);
             let drawn = render(&scene, &frame)?;
             let lost =
                 ["age", "full"].iter().any(|reason| drawn.report.dropped.contains_key(*reason));
@@ -101,7 +101,7 @@ pub fn animate(
                         let [w, h] = now;
                         let problem = format!(
                             "is {}, and frame {number} loses fragments beyond it also with {w}x{h} cells",
-                            frame.hash.ages
+                            frame.table.ages
                         );
                         return Err(Error::new("--age-limit", problem));
                     }

@@ -41,7 +41,7 @@ pub use inputs::Given;
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
 pub use reference::{Reference, reference};
 pub use report::{Report, ShadowReport};
-pub use table::{HashOptions, TableReport};
+pub use table::{TableOptions, TableReport};
 
 /// Everything one frame gives.
 #[derive(Clone, Debug)]
@@ -129,7 +129,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     }
     config.grid = grid;
     if contract.crosses {
-        config.table = options.hash.settings(config.generated, scene.size)?;
+        config.table = options.table.settings(config.generated, scene.size)?;
     }
     let k = config.k;
     let instance = method.instance(&config);
@@ -148,7 +148,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         before_tile,
         whole_pools: chosen.is_none(),
         threads,
-        opaque: options.hash.opaque(),
+        opaque: options.table.opaque(),
     };
     limits::kept(options, &job)?;
     limits::voxels(options, &grid)?;
@@ -232,10 +232,12 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     if !sim.record && !matches!(sim.policy, Policy::Recorded(_)) {
         return 0;
     }
-    let Options { method, k, memory_budget, depth_format, data, hash, .. } = options;
+    let Options { method, k, memory_budget, depth_format, data, table, .. } = options;
     let size = (front.grid.width, front.grid.height);
+    // The name that recorded schedules were made with.
+    let table = format!("{table:?}").replacen("TableOptions", "HashOptions", 1);
     let head =
-        format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?} {hash:?}");
+        format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?} {table}");
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
@@ -278,8 +280,8 @@ fn execute(
         Exec::Tile => Ok(executed(exec::tile::run(instance, job, counted))),
         Exec::Threads => Ok(executed(exec::threads::run(instance, job, counted))),
         Exec::Sim(sim) => {
-            let settings = settings(sim, job, fingerprint(job.front, options));
-            let mut run = exec::sim::run(instance, job, &settings, GARBAGE)?;
+            let scheduling = scheduling(sim, job, fingerprint(job.front, options));
+            let mut run = exec::sim::run(instance, job, &scheduling, GARBAGE)?;
             if !counted {
                 run.frame.counters = Counters::default();
             }
@@ -289,12 +291,12 @@ fn execute(
     }
 }
 
-fn settings(sim: &Sim, job: &Job<'_>, fingerprint: u64) -> policy::Settings {
+fn scheduling(sim: &Sim, job: &Job<'_>, fingerprint: u64) -> policy::Scheduling {
     let Sim { policy, seed, resident, record, watch, check } = sim.clone();
     let grid = &job.front.grid;
     let inside = watch.filter(|&[x, y]| x < grid.width && y < grid.height);
     let watch = inside.map(|[x, y]| grid.pixel(x, y));
-    policy::Settings { policy, seed, resident, record, fingerprint, watch, check }
+    policy::Scheduling { policy, seed, resident, record, fingerprint, watch, check }
 }
 
 /// The report, but for what is known only after assembly.

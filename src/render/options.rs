@@ -12,9 +12,9 @@ use crate::scheme::HeldKind;
 
 use super::inputs::Given;
 use super::no_lists;
-use super::table::HashOptions;
+use super::table::TableOptions;
 
-pub use crate::exec::sim::policy::Kind as Policy;
+pub use crate::exec::sim::policy::Policy;
 pub use crate::resolve::sort::Sort;
 
 /// What to draw with, and how. The defaults are the command line's.
@@ -51,7 +51,7 @@ pub struct Options {
     /// The method's inputs, by name; those that are not given have their defaults.
     pub inputs: Vec<(String, Given)>,
     /// How hash tables are made.
-    pub hash: HashOptions,
+    pub table: TableOptions,
     /// How a pixel's fragments are sorted.
     pub sort: Sort,
     /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
@@ -76,7 +76,7 @@ impl Default for Options {
             counters: true,
             memory_budget: None,
             inputs: Vec::new(),
-            hash: HashOptions::default(),
+            table: TableOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
         }
@@ -205,10 +205,10 @@ impl Options {
             let bits = self.sub_pixel_bits;
             return wrong("--sub-pixel-bits", format!("is {bits}, but must be 8 or 4"));
         }
-        self.hash.check()?;
+        self.table.check()?;
         if let (Some(bytes), true) = (self.memory_budget, contract.crosses) {
-            let sized = if self.hash.load.is_some() { Some("--load") } else { None };
-            if let Some(other) = sized.or(self.hash.size.map(|_| "--table")) {
+            let sized = if self.table.load.is_some() { Some("--load") } else { None };
+            if let Some(other) = sized.or(self.table.size.map(|_| "--table")) {
                 let problem = format!("{bytes} bytes, and {other}: both size the table, give one");
                 return wrong("--memory-budget", problem);
             }

@@ -1,6 +1,6 @@
 //! The frame from the light: the same scene, method and executor, seen along the light.
 
-use super::{Exec, HashOptions, Options, Report, ShadowReport, Sim};
+use super::{Exec, Options, Report, ShadowReport, Sim, TableOptions};
 use crate::effect::Effect;
 use crate::effect::lens::Lens;
 use crate::effect::shadow::{self, ShadowMap};
@@ -76,9 +76,9 @@ fn plain(options: &Options) -> Options {
         _ => (Effect::Transparency, Data::Color),
     };
     // A table that is sized for the image need not fit the light's.
-    let hash = HashOptions { size: None, ..options.hash.clone() };
+    let table = TableOptions { size: None, ..options.table.clone() };
     let cull_face = CullFace::None;
-    let mut plain = Options { data, cull_face, effect, shadows: None, hash, ..options.clone() };
+    let mut plain = Options { data, cull_face, effect, shadows: None, table, ..options.clone() };
     if let Exec::Sim(Sim { watch, .. }) = &mut plain.exec {
         *watch = None;
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Options;
 use crate::error::{Error, Result};
-use crate::exec::table::Table;
+use crate::exec::table::TableWords;
 use crate::resolve::digest::table_hash;
 use crate::scheme::Contract;
 use crate::scheme::hash_table::table::{
@@ -13,7 +13,7 @@ use crate::scheme::hash_table::table::{
 
 /// How a hash table is made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HashOptions {
+pub struct TableOptions {
     /// The share of cells that fragments shall fill, in per cent, 1 to 100. A table is at least as large as the image on
     /// each axis, so that the load that is reached may be lower. `None` is 50.
     pub load: Option<u32>,
@@ -29,7 +29,7 @@ pub struct HashOptions {
     pub threshold: f64,
 }
 
-impl Default for HashOptions {
+impl Default for TableOptions {
     fn default() -> Self {
         Self {
             load: None,
@@ -42,7 +42,7 @@ impl Default for HashOptions {
     }
 }
 
-impl HashOptions {
+impl TableOptions {
     /// Check every value against its range.
     ///
     /// # Errors
@@ -133,7 +133,7 @@ pub struct TableReport {
 }
 
 impl TableReport {
-    pub(super) fn new(table: &Table) -> Self {
+    pub(super) fn new(table: &TableWords) -> Self {
         let ages = table.ages();
         let stored: u64 = ages.iter().sum();
         let [width, height] = table.size;
@@ -156,7 +156,7 @@ impl TableReport {
 
 /// Options of hash tables that a method without one does not heed.
 pub(super) fn idle(options: &Options, contract: &Contract) -> Option<String> {
-    let given = options.hash.given();
+    let given = options.table.given();
     let (none, name) = (given.is_empty() || contract.crosses, contract.name);
     (!none).then(|| format!("{} has no effect: {name} has no hash table", given.join(", ")))
 }

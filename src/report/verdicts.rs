@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use super::text::{Align, columns, thousands};
 use crate::explore::verdict::matrix::{Kill, Line};
-use crate::explore::{Row, Token, Verdict};
+use crate::explore::{Finding, Token, Verdict};
 
 /// One line per verdict; under a violation its message, its results where they differ, and its token.
 #[must_use]
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[Finding]) -> String {
     let heading = ["method", "property", "memory", "verdict", "explored", "states", "executions"];
     let mut cells = vec![heading.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(row));
@@ -36,7 +36,7 @@ pub fn table(rows: &[Row]) -> String {
 }
 
 /// The bounds, once each: verdicts hold within them.
-fn bounds(rows: &[Row]) -> String {
+fn bounds(rows: &[Finding]) -> String {
     let mut seen: Vec<&str> = Vec::new();
     for row in rows.iter().filter(|row| !row.bound.is_empty()) {
         if !seen.contains(&row.bound.as_str()) {
@@ -53,7 +53,7 @@ fn bounds(rows: &[Row]) -> String {
     text
 }
 
-fn row(row: &Row) -> Vec<String> {
+fn row(row: &Finding) -> Vec<String> {
     let what = row.property.iter().chain(&row.claim).cloned().collect::<Vec<_>>().join(" of ");
     let under = [Some(row.memory.as_str()), row.profile.as_deref(), row.progress.as_deref()];
     let under: Vec<&str> = under.into_iter().flatten().filter(|name| !name.is_empty()).collect();
@@ -75,7 +75,7 @@ fn row(row: &Row) -> Vec<String> {
 
 /// Every result of some instances.
 #[must_use]
-pub fn outcomes(rows: &[Row]) -> String {
+pub fn outcomes(rows: &[Finding]) -> String {
     let mut text = String::new();
     for row in rows {
         let under = [Some(row.memory.as_str()), row.profile.as_deref()];

@@ -4,7 +4,7 @@ use super::plot::{Curve, Plot};
 use super::{Outcome, Scale};
 use crate::catalogue;
 use crate::error::Result;
-use crate::render::{Data, HashOptions, Options, Report, render};
+use crate::render::{Data, Options, Report, TableOptions, render};
 use crate::scene::{self, Overrides, Scene};
 
 /// Loads of Figure 5, in per cent: it begins with about 95, and the table grows.
@@ -24,11 +24,11 @@ struct Point {
 }
 
 /// Draw several times.
-fn measure(scene: &Scene, method: &str, hash: &HashOptions, repeats: u32) -> Result<Point> {
+fn measure(scene: &Scene, method: &str, table: &TableOptions, repeats: u32) -> Result<Point> {
     let chosen = catalogue::method(method)?;
     let options = |counters| Options {
         method: chosen,
-        hash: hash.clone(),
+        table: table.clone(),
         data: Data::Color,
         counters,
         ..Options::default()
@@ -103,7 +103,7 @@ pub(super) fn loads(scale: &Scale) -> Result<Outcome> {
             ("ha64", crate::render::Offsets::FarthestPoint),
             ("ha32", crate::render::Offsets::Random),
         ] {
-            let hash = HashOptions { load: Some(load), offsets, ..HashOptions::default() };
+            let hash = TableOptions { load: Some(load), offsets, ..TableOptions::default() };
             let point = measure(&scene, method, &hash, scale.repeats)?;
             let mut row = vec![load.to_string()];
             row.extend(point.cells());
@@ -146,7 +146,7 @@ pub(super) fn stack(scale: &Scale) -> Result<Outcome> {
         let name = format!("stack:count={SQUARES},together={together},alpha=0.25");
         let scene = scene::load(&name, &size)?;
         for (curve, method) in curves.iter_mut().zip(["ha64", "ha64-cull"]) {
-            let point = measure(&scene, method, &HashOptions::default(), scale.repeats)?;
+            let point = measure(&scene, method, &TableOptions::default(), scale.repeats)?;
             let mut row = vec![format!("{together:.2}")];
             row.extend(point.cells());
             curve.points.push([together, point.probes()]);

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 #[derive(Clone, Debug)]
 pub struct Description {
     place: String,
-    table: Table,
+    table: Document,
 }
 
 /// Where an object's model comes from.
@@ -39,7 +39,7 @@ pub enum Source<'a> {
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct Document {
     size: Option<[u32; 2]>,
     background: Option<[f32; 3]>,
     camera: Option<View>,
@@ -98,7 +98,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Description> {
     let wrong = |problem: String| Error::new(place, problem);
     let text = std::str::from_utf8(bytes)
         .map_err(|error| wrong(format!("byte {}: is not UTF-8 text", error.valid_up_to())))?;
-    let table: Table = toml::from_str(text).map_err(|error| {
+    let table: Document = toml::from_str(text).map_err(|error| {
         let start = error.span().map_or(0, |span| span.start).min(bytes.len());
         let line = bytes[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
         wrong(format!("line {line}: {}", error.message().replace('\n', "; ")))

@@ -102,7 +102,7 @@ pub struct Pass {
     /// What it is for, in a word.
     pub name: &'static str,
     /// What its invocations are.
-    pub kind: Kind,
+    pub kind: PassKind,
     /// The barrier before it.
     pub before: Barrier,
 }
@@ -110,7 +110,7 @@ pub struct Pass {
 /// What a pass's invocations are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum PassKind {
     /// The store pass: one per fragment, and what becomes of it is accounted for.
     Store,
     /// An earlier geometry pass: one per fragment.
@@ -137,19 +137,19 @@ impl Pass {
     /// The store pass, behind a barrier.
     #[must_use]
     pub const fn store(before: Barrier) -> Self {
-        Self { name: "store", kind: Kind::Store, before }
+        Self { name: "store", kind: PassKind::Store, before }
     }
 
     /// Another pass, behind a barrier.
     #[must_use]
-    pub const fn new(name: &'static str, kind: Kind, before: Barrier) -> Self {
+    pub const fn new(name: &'static str, kind: PassKind, before: Barrier) -> Self {
         Self { name, kind, before }
     }
 
     /// It runs over the scene's fragments.
     #[must_use]
     pub const fn is_geometry(&self) -> bool {
-        matches!(self.kind, Kind::Store | Kind::Prepare)
+        matches!(self.kind, PassKind::Store | PassKind::Prepare)
     }
 }
 

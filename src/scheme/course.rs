@@ -93,10 +93,10 @@ impl Course {
 mod tests {
     use std::convert::Infallible;
 
-    use super::super::contract::{Kind, Pass};
+    use super::super::contract::{Pass, PassKind};
     use super::*;
 
-    const COUNT: Pass = Pass::new("count", Kind::Prepare, Barrier::Pixel);
+    const COUNT: Pass = Pass::new("count", PassKind::Prepare, Barrier::Pixel);
 
     /// The parts in the order in which they run, with `rounds` rounds asked for; a barrier is a bar.
     fn run(program: &Program, rounds: usize) -> String {

@@ -10,6 +10,10 @@
 //! fragments, pixels or the frame's words, the last of which is the store pass; and resolve ([`course`]). Most methods have the
 //! store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks for it
 //! in [`Scheme::again`], as an application does that reads an occlusion query.
+//!
+//! A room uses only rooms that stand before it in this order, and the files beside the rooms:
+//!
+//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table`
 
 pub mod a_buffer;
 pub mod bound;

@@ -2,16 +2,17 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use fragloom::gpu::check::band::{Expected, Lists, Picture};
-use fragloom::gpu::check::compare::{Downloaded, compare};
+use fragloom::gpu::check::compare::compare;
 use fragloom::gpu::check::conform::{self, conform};
-use fragloom::gpu::check::crosscheck::{self, Options, Path, Row, Status};
+use fragloom::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
+use fragloom::gpu::check::open::{Opened, devices};
 use fragloom::gpu::check::stress::{self, stress};
 use fragloom::gpu::driver::device::{Device, adapters};
 use fragloom::gpu::driver::failure::Failure;
-use fragloom::gpu::driver::open::{Opened, devices};
+use fragloom::gpu::twin::band::{Expected, Lists, Picture};
 use fragloom::gpu::twin::program::{Program, Shape, constants};
 use fragloom::gpu::twin::raster::{Raster, Triangles};
+use fragloom::gpu::twin::resolve::Downloaded;
 use fragloom::gpu::twin::resolve::resolve;
 use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
@@ -36,7 +37,7 @@ fn all(test: &str) -> Vec<Opened> {
     found
 }
 
-fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Row> {
+fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Agreement> {
     let picture = Picture::new(scene, opened.bits());
     let options = opened.paths(options);
     crosscheck::run(&opened.device, scene, &picture, opened.bits(), &options)

@@ -7,7 +7,7 @@ use fragloom::gpu::twin::source::{self, Path, Twin, twins};
 use fragloom::num::depth::Format;
 use fragloom::raster::{Grid, Record};
 use fragloom::scheme::Config;
-use fragloom::scheme::contract::Kind;
+use fragloom::scheme::contract::PassKind;
 use fragloom::scheme::hash_table::table::TableSettings;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -148,9 +148,9 @@ fn twins_define_the_passes_of_their_programs() {
         let contract = twin.method.contract();
         let has = |kind| contract.program.passes.iter().any(|pass| pass.kind == kind);
         for (function, needed) in [
-            ("prepare", has(Kind::Prepare)),
-            ("screen", has(Kind::Screen)),
-            ("frame", has(Kind::Frame)),
+            ("prepare", has(PassKind::Prepare)),
+            ("screen", has(PassKind::Screen)),
+            ("frame", has(PassKind::Frame)),
             ("clear", true),
             ("store", true),
             ("resolve", true),

@@ -9,7 +9,7 @@ use crate::report::text::{Align, columns, percent, thousands};
 
 /// One method beside its reference.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct Row {
+pub(super) struct Compared {
     pub(super) method: String,
     pub(super) scene: String,
     pub(super) width: u32,
@@ -38,7 +38,7 @@ pub(super) struct Row {
     pub(super) violations: Vec<String>,
 }
 
-impl Row {
+impl Compared {
     /// The row of a frame, differences still to be filled in.
     pub(super) fn new(method: &str, reference: &str, k: Option<u32>, drawn: &Rendering) -> Self {
         let report = &drawn.report;
@@ -116,7 +116,7 @@ impl Row {
 }
 
 /// The rows under a heading, with what they have in common above.
-pub(super) fn table(rows: &[Row]) -> String {
+pub(super) fn table(rows: &[Compared]) -> String {
     let Some(first) = rows.first() else { return "no methods to compare\n".to_owned() };
     let heading = [
         "method",
@@ -132,7 +132,7 @@ pub(super) fn table(rows: &[Row]) -> String {
         "on average",
     ];
     let mut cells = vec![heading.map(str::to_owned).to_vec()];
-    cells.extend(rows.iter().map(Row::cells));
+    cells.extend(rows.iter().map(Compared::cells));
     let mut aligned = [Align::Right; 11];
     aligned[..2].fill(Align::Left);
     let wrong = rows.iter().filter(|row| !row.agrees()).count();
@@ -155,9 +155,9 @@ pub(super) fn table(rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    fn row() -> Row {
+    fn row() -> Compared {
         let from_all = Difference { pixels: 4_096, differing: 12, max: 33, sums: [40, 0, 0, 0] };
-        Row {
+        Compared {
             method: "kplus-array".into(),
             scene: "cubes".into(),
             width: 64,
@@ -167,7 +167,7 @@ mod tests {
             kept: 1_234,
             lists_equal: true,
             from_all,
-            ..Row::default()
+            ..Compared::default()
         }
     }
 
@@ -181,9 +181,9 @@ mod tests {
     fn each_kind_of_disagreement_counts() {
         let pixel = Difference { differing: 1, ..Difference::default() };
         let wrong = [
-            Row { lists_equal: false, ..row() },
-            Row { from_reference: pixel, ..row() },
-            Row { violations: vec!["unbalanced".into()], ..row() },
+            Compared { lists_equal: false, ..row() },
+            Compared { from_reference: pixel, ..row() },
+            Compared { violations: vec!["unbalanced".into()], ..row() },
         ];
         assert!(wrong.iter().all(|row| !row.agrees()));
         assert!(table(&wrong).ends_with("\n3 of 3 differ from their reference\n"));

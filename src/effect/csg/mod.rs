@@ -26,7 +26,7 @@ use crate::resolve::Lists;
 
 /// One row of the picture.
 #[derive(Default)]
-struct Row {
+struct Scanline {
     colors: Vec<[u8; 4]>,
     counts: Vec<u64>,
     keys: Vec<u64>,
@@ -47,7 +47,7 @@ pub(super) fn draw(stage: &Stage<'_>, expression: &Expression) -> Result<Made> {
     };
     let background = stage.background_pixel();
     let row = |y: u32| {
-        let mut row = Row { open: vec![0; bound.len()], ..Row::default() };
+        let mut row = Scanline { open: vec![0; bound.len()], ..Scanline::default() };
         for x in 0..stage.lists.width {
             let (first, mut seen) = (row.keys.len(), None);
             let odd = walk(expression, stage.lists.pixel(x, y), bit, |change| {
@@ -64,7 +64,7 @@ pub(super) fn draw(stage: &Stage<'_>, expression: &Expression) -> Result<Made> {
         }
         row
     };
-    let rows: Vec<Row> = (0..stage.lists.height).into_par_iter().map(row).collect();
+    let rows: Vec<Scanline> = (0..stage.lists.height).into_par_iter().map(row).collect();
     let mut made = Made::default();
     for (bit, name) in expression.names().enumerate() {
         let open = rows.iter().map(|row| row.open[bit]).sum();

@@ -20,13 +20,13 @@ use super::account::Tally;
 use super::clock::Stopwatch;
 use super::frame::{Finisher, Frame};
 use super::interpret::Interpreted;
-use super::table::Table;
+use super::table::TableWords;
 use super::{Instance, Job};
 use crate::error::Result;
 use crate::memory::Counters;
 use crate::memory::sim::Sim as Memory;
 use checker::Checker;
-use policy::Settings;
+use policy::Scheduling;
 use stages::Stages;
 use turns::Turns;
 use watch::Recording;
@@ -56,7 +56,7 @@ pub struct Simulated {
 pub fn run(
     instance: &dyn Instance,
     job: &Job<'_>,
-    settings: &Settings,
+    scheduling: &Scheduling,
     pattern: u64,
 ) -> Result<Simulated> {
     let grid = &job.front.grid;
@@ -67,12 +67,12 @@ pub fn run(
         Some(compiled) => compiled.stepped(),
         None => &interpreted,
     };
-    let mut turns = Turns::new(settings)?;
+    let mut turns = Turns::new(scheduling)?;
     let mut watch = Stopwatch::start();
     let invocations = |pass| instance.invocations(pass);
     let mut stages = Stages::new(job, &mem, scheme, &invocations);
-    let mut recording = settings.watch.map(Recording::new);
-    let mut checker = settings.check.then(|| Checker::new(instance, &mem));
+    let mut recording = scheduling.watch.map(Recording::new);
+    let mut checker = scheduling.check.then(|| Checker::new(instance, &mem));
     let rounds = stages.run(&mut turns, recording.as_mut(), checker.as_mut(), &mut watch)?;
     let schedule = turns.finish()?;
     let per_tile = grid.pixels_per_tile();
@@ -88,7 +88,7 @@ pub fn run(
     let tiles = tiles.collect();
     watch.lap("resolve");
     let frame = Frame::new(job, tiles, &reports, mem.observer().clone());
-    let table = instance.readback().map(|readback| Table::new(&readback, &mem));
+    let table = instance.readback().map(|readback| TableWords::new(&readback, &mem));
     Ok(Simulated {
         frame: Frame { rounds, table, outside: mem.outside(), seconds: watch.seconds(), ..frame },
         schedule,

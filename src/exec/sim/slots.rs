@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-use super::policy::{Any, Policy};
+use super::policy::{Any, Scheduler};
 use super::schedule::Recorder;
 use crate::error::{Error, Result};
 use crate::memory::Observer;

@@ -12,7 +12,7 @@ use crate::exec::clock::Stopwatch;
 use crate::exec::{Job, Tally};
 use crate::memory::Counters;
 use crate::scheme::Held;
-use crate::scheme::contract::Kind;
+use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
 use crate::scheme::task::{Ended, Task};
 
@@ -85,7 +85,7 @@ impl<'a> Stages<'a> {
         last(parts).unwrap_or("resolve")
     }
 
-    fn kind(&self, part: &Part) -> Option<Kind> {
+    fn kind(&self, part: &Part) -> Option<PassKind> {
         match part {
             Part::Pass(number) => Some(self.job.contract.program.passes[*number].kind),
             Part::Clear | Part::Resolve => None,
@@ -100,7 +100,7 @@ impl<'a> Stages<'a> {
         watcher: Option<&mut Recording>,
         checker: Option<&mut Checker<'_>>,
     ) -> Result<bool> {
-        let stores = |part: &Part| self.kind(part) == Some(Kind::Store);
+        let stores = |part: &Part| self.kind(part) == Some(PassKind::Store);
         let (some, all) = (parts.iter().any(stores), parts.iter().all(stores));
         if some {
             self.gone.fill(0);
@@ -156,13 +156,15 @@ fn queue<'a>(
     };
     let place = number as u8;
     match job.contract.program.passes[number].kind {
-        Kind::Screen => Box::new(pixels(job).map(move |p| Task::Screen(place, p))),
-        Kind::Frame => {
+        PassKind::Screen => Box::new(pixels(job).map(move |p| Task::Screen(place, p))),
+        PassKind::Frame => {
             let all = 0..invocations(number);
             Box::new(all.map(move |index| Task::Frame(place, index)))
         }
-        Kind::Prepare => Box::new(Submission::uncounted(job).map(move |f| Task::Prepare(place, f))),
-        Kind::Store => match counts.take() {
+        PassKind::Prepare => {
+            Box::new(Submission::uncounted(job).map(move |f| Task::Prepare(place, f)))
+        }
+        PassKind::Store => match counts.take() {
             Some(counts) => Box::new(Submission::new(job, counts).map(Task::Store)),
             None => Box::new(Submission::uncounted(job).map(Task::Store)),
         },

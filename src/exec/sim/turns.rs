@@ -3,7 +3,7 @@
 use std::future::Future;
 
 use super::Memory;
-use super::policy::{Any, Policy, Settings};
+use super::policy::{Any, Scheduler, Scheduling};
 use super::schedule::Recorder;
 use super::slots::{Check, Slots, Watcher};
 use super::submission::Submission;
@@ -75,15 +75,15 @@ impl<'a> Stores<'a> {
 }
 
 impl Turns {
-    /// With the policy and residency of `settings`.
+    /// With the policy and residency of `scheduling`.
     ///
     /// # Errors
     /// A recorded schedule that cannot be read, or belongs to another run.
-    pub(super) fn new(settings: &Settings) -> Result<Self> {
-        let policy = Any::new(settings)?;
-        let (resident, group) = (policy.resident(settings.resident), policy.group());
+    pub(super) fn new(scheduling: &Scheduling) -> Result<Self> {
+        let policy = Any::new(scheduling)?;
+        let (resident, group) = (policy.resident(scheduling.resident), policy.group());
         let recorder =
-            settings.record.then(|| Recorder::new(settings.fingerprint, resident, group));
+            scheduling.record.then(|| Recorder::new(scheduling.fingerprint, resident, group));
         Ok(Self { policy, resident, group, recorder })
     }
 

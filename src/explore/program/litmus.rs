@@ -12,7 +12,7 @@ use crate::fragment::{Data, Fragment, key};
 use crate::memory::{Declared, Inputs, Layout, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::raster::Grid;
-use crate::scheme::contract::{Demand, Keeps, Kind};
+use crate::scheme::contract::{Demand, Keeps, PassKind};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::hash_table::table::{Offsets, TableSettings};
 use crate::scheme::task::Task;
@@ -179,10 +179,10 @@ impl Litmus {
                 helping.extend(fragments().take(self.helpers as usize).map(task));
             };
             match pass.kind {
-                Kind::Store => of_fragments(&Task::Store),
-                Kind::Prepare => of_fragments(&|fragment| Task::Prepare(place, fragment)),
-                Kind::Screen => tasks.extend((0..self.pixels).map(|p| Task::Screen(place, p))),
-                Kind::Frame => {
+                PassKind::Store => of_fragments(&Task::Store),
+                PassKind::Prepare => of_fragments(&|fragment| Task::Prepare(place, fragment)),
+                PassKind::Screen => tasks.extend((0..self.pixels).map(|p| Task::Screen(place, p))),
+                PassKind::Frame => {
                     tasks.extend((0..invocations(number)).map(|i| Task::Frame(place, i)));
                 }
             }

@@ -26,7 +26,7 @@ pub(in crate::explore) const MOST_INVOCATIONS: usize = 32;
 
 /// How invocations are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Device {
+pub struct Conditions {
     /// What memory does.
     pub memory: MemoryModel,
     /// Lanes of a warp that come together after blocks; `None` if invocations are independent.
@@ -52,7 +52,7 @@ pub(in crate::explore) struct Machine<'a> {
     course: Course,
     /// Stages of the course before the first that is explored: what clears alone.
     before: usize,
-    device: Device,
+    conditions: Conditions,
     model: Box<dyn Model>,
     after: Vec<Task>,
     /// Words before the model's: the nodes, the word of who has moved, and that of the stage.
@@ -112,7 +112,7 @@ pub struct Final {
 }
 
 impl<'a> Machine<'a> {
-    pub(in crate::explore) fn new(case: &'a Case, device: Device, progress: bool) -> Self {
+    pub(in crate::explore) fn new(case: &'a Case, conditions: Conditions, progress: bool) -> Self {
         let Case { contract, instance, numbering, litmus, .. } = case;
         let course = Course::of(&contract.program);
         let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
@@ -130,10 +130,10 @@ impl<'a> Machine<'a> {
             stage.tasks.iter().all(|task| matches!(task, Task::Store(_) | Task::Idle))
         };
         let storing = stages.iter().map(stores).collect();
-        let mut forest = Forest::new(case, device.warp.is_some());
+        let mut forest = Forest::new(case, conditions.warp.is_some());
         let cleared = clear(&mut forest, &clearing, numbering);
         let candidates = litmus.candidates();
-        let model = memory::make(device.memory, numbering, &cleared, &candidates, width);
+        let model = memory::make(conditions.memory, numbering, &cleared, &candidates, width);
         let several = stages.len() > 1 || contract.program.repeats;
         let stage_word = several.then_some(width + usize::from(progress));
         let head = width + usize::from(progress) + usize::from(several);
@@ -146,7 +146,7 @@ impl<'a> Machine<'a> {
             width,
             course,
             before,
-            device,
+            conditions,
             model,
             after,
             head,
@@ -255,7 +255,7 @@ impl<'a> Machine<'a> {
 
     /// Words have one value at a time.
     pub(in crate::explore) fn is_sequential(&self) -> bool {
-        self.device.memory == MemoryModel::Sequential
+        self.conditions.memory == MemoryModel::Sequential
     }
 
     /// Some operation was left out for want of room.
@@ -338,7 +338,7 @@ impl<'a> Machine<'a> {
     pub(in crate::explore) fn place(&mut self, nodes: &mut [NodeId], by: Move, node: NodeId) {
         let invocation = usize::from(by.invocation);
         let before = std::mem::replace(&mut nodes[invocation], node);
-        let Some(warp) = self.device.warp else { return };
+        let Some(warp) = self.conditions.warp else { return };
         if self.forest.node(before).step != Step::Merge {
             return;
         }
@@ -374,7 +374,7 @@ impl<'a> Machine<'a> {
     /// at the same merge; lanes at the parent's own merge do not count, nor do those in a later block of that parent,
     /// which have left this one, and together with this lane.
     fn may_merge(&self, nodes: &[NodeId], invocation: usize) -> bool {
-        let Some(warp) = self.device.warp else { return true };
+        let Some(warp) = self.conditions.warp else { return true };
         let own = self.forest.stack(nodes[invocation]);
         let (block, parent) = (own.len() - 1, &own[..own.len() - 1]);
         let later = |stack: &[OpenBlock]| {

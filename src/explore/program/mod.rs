@@ -13,6 +13,6 @@ pub(super) mod subject;
 
 pub use self::case::Case;
 pub use self::litmus::{Family, Litmus, Stage};
-pub use self::machine::{Device, Final};
+pub use self::machine::{Conditions, Final};
 pub use self::schedule::{Move, Schedule};
 pub use self::subject::Subject;

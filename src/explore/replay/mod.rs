@@ -7,7 +7,7 @@ pub mod token;
 use self::run::{Event, Run, Runner, describe, label, run};
 use self::token::LitmusToken;
 use super::program::case::Case;
-use super::program::machine::Device;
+use super::program::machine::Conditions;
 use super::program::schedule::Move;
 use super::program::subject::Subject;
 use super::search::exhaustive::Limits;
@@ -47,11 +47,12 @@ pub fn replay(catalogue: &Catalogue, token: &LitmusToken) -> Result<Replay> {
 pub fn replay_of(subject: &Subject, token: &LitmusToken) -> Result<Replay> {
     let case = subject.case(&token.litmus);
     let schedule = token.schedule();
-    let run = run(&case, token.device(), &schedule)
+    let run = run(&case, token.conditions(), &schedule)
         .map_err(|e| Error::new("TOKEN", format!("the token's {e}")))?;
     token.verify(&run)?;
     let wrong_end = run.end.is_some() && run.wrong.iter().any(|(p, _)| is_of_result(*p));
-    let doomed_after = wrong_end.then(|| doomed_after(&case, token.device(), &schedule)).flatten();
+    let doomed_after =
+        wrong_end.then(|| doomed_after(&case, token.conditions(), &schedule)).flatten();
     Ok(Replay { run, doomed_after, cycle: token.cycle() })
 }
 
@@ -60,10 +61,10 @@ fn is_of_result(property: Property) -> bool {
 }
 
 /// The first number of steps after which nothing can be right: found by halving, since what is lost stays lost.
-fn doomed_after(case: &Case, device: Device, schedule: &[Move]) -> Option<usize> {
+fn doomed_after(case: &Case, conditions: Conditions, schedule: &[Move]) -> Option<usize> {
     let limits = Limits { states: MOST_STATES, cancelled: &|| false };
     let right_after = |steps: usize| {
-        let mut runner = Runner::new(case, device);
+        let mut runner = Runner::new(case, conditions);
         schedule[..steps].iter().for_each(|&by| {
             runner.step(by);
         });

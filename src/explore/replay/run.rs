@@ -5,7 +5,7 @@ use crate::explore::memory::model::Race;
 use crate::explore::program::case::Case;
 use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
-use crate::explore::program::machine::{Device, Final, Machine, Moved};
+use crate::explore::program::machine::{Conditions, Final, Machine, Moved};
 use crate::explore::program::schedule::Move;
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::{self, Property};
@@ -63,8 +63,8 @@ pub(in crate::explore) struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    pub(in crate::explore) fn new(case: &'a Case, device: Device) -> Self {
-        let machine = Machine::new(case, device, false);
+    pub(in crate::explore) fn new(case: &'a Case, conditions: Conditions) -> Self {
+        let machine = Machine::new(case, conditions, false);
         let state = machine.initial().to_vec();
         let nodes = state[..machine.width].to_vec();
         Self { machine, nodes, state, events: Vec::new() }
@@ -316,8 +316,12 @@ pub fn describe(action: Action) -> String {
 ///
 /// # Errors
 /// A move that is impossible: the schedule is of something else.
-pub(in crate::explore) fn run(case: &Case, device: Device, schedule: &[Move]) -> Result<Run> {
-    let mut runner = Runner::new(case, device);
+pub(in crate::explore) fn run(
+    case: &Case,
+    conditions: Conditions,
+    schedule: &[Move],
+) -> Result<Run> {
+    let mut runner = Runner::new(case, conditions);
     for (i, &by) in schedule.iter().enumerate() {
         if runner.step(by).is_none() {
             let problem =

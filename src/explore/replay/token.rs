@@ -13,7 +13,7 @@ use super::run::{Event, Run, describe};
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{MemoryModel, Profile};
 use crate::explore::program::litmus::Litmus;
-use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS};
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::scheme::hash_table::table::{MOST_AGES, TableSettings};
 
@@ -81,11 +81,11 @@ impl LitmusToken {
         method: &str,
         property: &str,
         litmus: &Litmus,
-        device: Device,
+        conditions: Conditions,
         [stem, cycle]: [&[Move]; 2],
         run: &Run,
     ) -> Self {
-        let memory = match device.memory {
+        let memory = match conditions.memory {
             MemoryModel::Sequential => 0,
             MemoryModel::Relaxed(Profile::Vulkan) => 1,
             MemoryModel::Relaxed(Profile::Glsl) => 2,
@@ -96,7 +96,7 @@ impl LitmusToken {
             property: property.to_owned(),
             litmus: litmus.clone(),
             memory,
-            warp: device.warp,
+            warp: conditions.warp,
             runs: pack(stem),
             cycle: pack(cycle),
             digest: digest(&run.events),
@@ -105,12 +105,12 @@ impl LitmusToken {
 
     /// How it is run.
     #[must_use]
-    pub fn device(&self) -> Device {
+    pub fn conditions(&self) -> Conditions {
         let memory = match self.memory {
             0 => MemoryModel::Sequential,
             n => MemoryModel::Relaxed(Profile::ALL[usize::from(n - 1) % Profile::ALL.len()]),
         };
-        Device { memory, warp: self.warp }
+        Conditions { memory, warp: self.warp }
     }
 
     /// The moves, those of a cycle once.

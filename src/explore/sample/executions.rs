@@ -10,7 +10,7 @@ use crate::explore::program::subject::Subject;
 use crate::explore::replay::token::{SceneToken, Token};
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
-use crate::explore::verdict::{Row, Verdict};
+use crate::explore::verdict::{Finding, Verdict};
 use crate::render::{Exec, Options, Sim, reference, render};
 use crate::resolve::digest::kept_hash;
 use crate::scene::Scene;
@@ -44,7 +44,12 @@ impl Executions {
     ///
     /// # Errors
     /// The scene cannot be drawn so.
-    pub fn check(&self, subject: &Subject, scene: &Scene, limits: &Limits<'_>) -> Result<Vec<Row>> {
+    pub fn check(
+        &self,
+        subject: &Subject,
+        scene: &Scene,
+        limits: &Limits<'_>,
+    ) -> Result<Vec<Finding>> {
         let sim = self.sim()?;
         let right = reference(scene, &self.options)?;
         let expected = right.kept.as_ref().and_then(kept_hash);
@@ -94,7 +99,7 @@ impl Executions {
         scene: &Scene,
         done: &[&Executed],
         expected: Option<&str>,
-    ) -> Row {
+    ) -> Finding {
         // Which of the hidden fragments are culled is nobody's business; each run has judged that they are hidden.
         let culls = subject.contract.keeps == Keeps::Visible;
         let wrong = |e: &&&Executed| {
@@ -132,7 +137,7 @@ impl Executions {
         row
     }
 
-    fn one_outcome(&self, subject: &Subject, scene: &Scene, done: &[&Executed]) -> Row {
+    fn one_outcome(&self, subject: &Subject, scene: &Scene, done: &[&Executed]) -> Finding {
         let mut images: BTreeMap<&str, &Executed> = BTreeMap::new();
         done.iter().for_each(|e| {
             images.entry(&e.image_hash).or_insert(e);
@@ -157,9 +162,9 @@ impl Executions {
         row
     }
 
-    fn row(&self, subject: &Subject, scene: &Scene, property: Property, done: usize) -> Row {
+    fn row(&self, subject: &Subject, scene: &Scene, property: Property, done: usize) -> Finding {
         let [w, h] = scene.size;
-        Row {
+        Finding {
             method: subject.contract.name.to_owned(),
             property: Some(property.name().to_owned()),
             claim: None,

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::case::Case;
 use crate::explore::program::litmus::Litmus;
-use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS};
 use crate::explore::program::schedule::{Move, Schedule, switches};
 use crate::explore::program::subject::Subject;
 use crate::explore::replay::run::{Run, Runner, run};
@@ -30,7 +30,7 @@ const SEARCHED: usize = 4;
 /// A failure of one pixel.
 struct Failure {
     subject: Subject,
-    device: Device,
+    conditions: Conditions,
     property: Property,
     litmus: Litmus,
     schedule: Schedule,
@@ -55,7 +55,7 @@ pub fn minimise_litmus(
     let property = if property == Property::OneOutcome { Property::Keeps } else { property };
     let failure = Failure {
         subject,
-        device: token.device(),
+        conditions: token.conditions(),
         property,
         litmus: token.litmus.clone(),
         schedule: token.schedule(),
@@ -108,25 +108,31 @@ fn cut(
     let watched = render(scene, &Options { exec, ..options.clone() })?.watched;
     let Some(watched) = watched else { return Ok(None) };
     let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
-    let device = Device { memory: MemoryModel::Sequential, warp: None };
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
     let moves = watched
         .staged()
         .map(|(stage, i)| (Some(stage), Move { invocation: i as u8, alternative: 0 }));
-    let (schedule, run) = follow(&subject.case(&litmus), device, moves);
+    let (schedule, run) = follow(&subject.case(&litmus), conditions, moves);
     let property = [Property::Keeps, Property::Intact]
         .into_iter()
         .find(|p| run.violations().any(|(found, _)| found == p));
-    Ok(property.map(|property| Failure { subject: *subject, device, property, litmus, schedule }))
+    Ok(property.map(|property| Failure {
+        subject: *subject,
+        conditions,
+        property,
+        litmus,
+        schedule,
+    }))
 }
 
 /// Follow moves as far as they go, then run whoever is left. A move may say to which stage it belongs: whoever is left
 /// in the stages before it then runs first.
 fn follow(
     case: &Case,
-    device: Device,
+    conditions: Conditions,
     moves: impl Iterator<Item = (Option<usize>, Move)>,
 ) -> (Schedule, Run) {
-    let mut runner = Runner::new(case, device);
+    let mut runner = Runner::new(case, conditions);
     let mut schedule = Schedule::new();
     let mut take = |runner: &mut Runner<'_>, by: Move| {
         let ways = runner.alternatives(usize::from(by.invocation));
@@ -172,7 +178,7 @@ impl Failure {
     /// Whether a candidate shows the violation; its schedule if it does.
     fn shows(&self, litmus: &Litmus, moves: &[Move]) -> Option<Schedule> {
         let moves = moves.iter().map(|&by| (None, by));
-        let (schedule, run) = follow(&self.subject.case(litmus), self.device, moves);
+        let (schedule, run) = follow(&self.subject.case(litmus), self.conditions, moves);
         run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
     }
 
@@ -237,7 +243,7 @@ impl Failure {
             return;
         }
         let case = self.subject.case(&self.litmus);
-        let explored = exhaustive::explore(&case, self.device, limits);
+        let explored = exhaustive::explore(&case, self.conditions, limits);
         if let Some(found) = explored.violations.get(&self.property)
             && found.schedule.len() < self.schedule.len()
         {
@@ -246,10 +252,10 @@ impl Failure {
     }
 
     fn token(&self) -> Result<LitmusToken> {
-        let run = run(&self.subject.case(&self.litmus), self.device, &self.schedule)?;
+        let run = run(&self.subject.case(&self.litmus), self.conditions, &self.schedule)?;
         let schedule: [&[Move]; 2] = [&self.schedule, &[]];
         let (name, property) = (self.subject.method.name(), self.property.name());
-        Ok(LitmusToken::new(name, property, &self.litmus, self.device, schedule, &run))
+        Ok(LitmusToken::new(name, property, &self.litmus, self.conditions, schedule, &run))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::walk::walk;
 use crate::error::{Error, Result};
-use crate::exec::sim::policy::{self, Settings};
+use crate::exec::sim::policy::{self, Scheduling};
 use crate::explore::program::litmus::Litmus;
-use crate::explore::program::machine::{Device, MOST_INVOCATIONS};
+use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS};
 use crate::explore::program::subject::Subject;
 use crate::explore::search::exhaustive::{Found, Limits};
 use crate::explore::verdict::check::Survey;
@@ -80,19 +80,19 @@ fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
 pub fn sampled(
     subject: &Subject,
     litmus: &Litmus,
-    device: Device,
+    conditions: Conditions,
     runs: u64,
     limits: &Limits<'_>,
 ) -> Result<Survey> {
-    let mut survey = Survey::given(subject, litmus, device, limits);
+    let mut survey = Survey::given(subject, litmus, conditions, limits);
     let explored = &mut survey.explored[0].1;
     if explored.complete {
         return Ok(survey);
     }
     let case = subject.case(litmus);
     let one = |seed: u64| {
-        let settings = Settings {
-            policy: policy::Kind::Random,
+        let scheduling = Scheduling {
+            policy: policy::Policy::Random,
             seed,
             resident: MOST_INVOCATIONS,
             record: false,
@@ -100,7 +100,7 @@ pub fn sampled(
             watch: None,
             check: false,
         };
-        walk(&case, device, &settings, limits)
+        walk(&case, conditions, &scheduling, limits)
     };
     let all: Vec<_> = (0..runs).into_par_iter().map(one).collect::<Result<_>>()?;
     let mut ended = 0;

@@ -12,7 +12,7 @@ use crate::catalogue::Catalogue;
 use crate::error::Result;
 use crate::exec::Method;
 use crate::num::random::Random;
-use crate::render::{Exec, HashOptions, Options, Policy, Report, Sim, render};
+use crate::render::{Exec, Options, Policy, Report, Sim, TableOptions, render};
 use crate::scene::{self, Overrides, Scene};
 use crate::scheme::contract::{Demand, Keeps};
 
@@ -154,9 +154,9 @@ impl Runs {
             tile: 16,
             counters: false,
             // So full that insertions push each other about.
-            hash: HashOptions {
+            table: TableOptions {
                 load: memory_budget.is_none().then_some(LOAD),
-                ..HashOptions::default()
+                ..TableOptions::default()
             },
             memory_budget,
             ..Options::default()

@@ -1,9 +1,9 @@
 //! Single runs of a litmus pixel under a policy: for instances too large to explore, and to look at one schedule.
 
 use crate::error::Result;
-use crate::exec::sim::policy::{self, Policy, Settings};
+use crate::exec::sim::policy::{self, Scheduler, Scheduling};
 use crate::explore::program::case::Case;
-use crate::explore::program::machine::Device;
+use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::explore::replay::run::{Run, Runner};
 use crate::explore::search::exhaustive::Limits;
@@ -22,14 +22,14 @@ const STREAM: u64 = 0xA17E_44A7;
 /// A recorded schedule that does not fit.
 pub(super) fn walk(
     case: &Case,
-    device: Device,
-    settings: &Settings,
+    conditions: Conditions,
+    scheduling: &Scheduling,
     limits: &Limits<'_>,
 ) -> Result<Option<(Schedule, Run)>> {
-    let mut runner = Runner::new(case, device);
-    let mut policy = policy::make(settings)?;
+    let mut runner = Runner::new(case, conditions);
+    let mut policy = policy::make(scheduling)?;
     let (mut live, mut stage) = (runner.live(), runner.stage());
-    let admit = |policy: &mut dyn Policy, live: u32| {
+    let admit = |policy: &mut dyn Scheduler, live: u32| {
         (0..32).filter(|i| live & (1 << i) != 0).for_each(|i| policy.admit(i));
     };
     admit(&mut *policy, live);
@@ -41,7 +41,7 @@ pub(super) fn walk(
         let invocation = next(&mut *policy, &mut runner, live)?;
         let Some(invocation) = invocation else { return Ok(None) };
         let ways = runner.alternatives(invocation) as u64;
-        let pick = random::bits(settings.seed, STREAM, schedule.len() as u64) % ways;
+        let pick = random::bits(scheduling.seed, STREAM, schedule.len() as u64) % ways;
         let by = Move { invocation: invocation as u8, alternative: pick as u16 };
         runner.step(by);
         schedule.push(by);
@@ -62,7 +62,7 @@ pub(super) fn walk(
 }
 
 /// Whoever the policy names among those that can move; `None` if nobody can.
-fn next(policy: &mut dyn Policy, runner: &mut Runner<'_>, live: u32) -> Result<Option<usize>> {
+fn next(policy: &mut dyn Scheduler, runner: &mut Runner<'_>, live: u32) -> Result<Option<usize>> {
     let can_move =
         |runner: &mut Runner<'_>, i: usize| live & (1 << i) != 0 && runner.alternatives(i) > 0;
     // A lane that waits for others is passed over; a policy that insists on it is not asked for ever.

@@ -10,7 +10,7 @@ use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::case::Case;
 use crate::explore::program::forest::NodeId;
 use crate::explore::program::litmus::Stage;
-use crate::explore::program::machine::{Device, Final, Machine, Moved};
+use crate::explore::program::machine::{Conditions, Final, Machine, Moved};
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::scheme::task::Task;
 use crate::scheme::{Held, Moment};
@@ -84,10 +84,14 @@ impl Graph {
 }
 
 /// Explore one instance.
-pub(in crate::explore) fn explore(case: &Case, device: Device, limits: &Limits<'_>) -> Explored {
-    let machine = Machine::new(case, device, false);
-    let groups = match device {
-        Device { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
+pub(in crate::explore) fn explore(
+    case: &Case,
+    conditions: Conditions,
+    limits: &Limits<'_>,
+) -> Explored {
+    let machine = Machine::new(case, conditions, false);
+    let groups = match conditions {
+        Conditions { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
         _ => Vec::new(),
     };
     Search::new(machine, groups).run(limits)
@@ -96,10 +100,10 @@ pub(in crate::explore) fn explore(case: &Case, device: Device, limits: &Limits<'
 /// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
 pub(in crate::explore) fn graph<'a>(
     case: &'a Case,
-    device: Device,
+    conditions: Conditions,
     limits: &Limits<'_>,
 ) -> Option<(Graph, Space, Machine<'a>)> {
-    let machine = Machine::new(case, device, true);
+    let machine = Machine::new(case, conditions, true);
     let mut search = Search::new(machine, Vec::new());
     search.mark_movers = true;
     let complete = search.expand_all(limits);

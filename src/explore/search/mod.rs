@@ -5,7 +5,7 @@ pub mod progress;
 pub(super) mod property;
 pub(super) mod space;
 
-use super::program::{Device, Litmus, Subject};
+use super::program::{Conditions, Litmus, Subject};
 
 pub use self::exhaustive::{Explored, Found, Limits};
 pub use self::progress::Progress;
@@ -16,8 +16,8 @@ pub use self::property::Property;
 pub fn explore(
     subject: &Subject,
     litmus: &Litmus,
-    device: Device,
+    conditions: Conditions,
     limits: &Limits<'_>,
 ) -> Explored {
-    exhaustive::explore(&subject.case(litmus), device, limits)
+    exhaustive::explore(&subject.case(litmus), conditions, limits)
 }

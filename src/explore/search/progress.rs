@@ -12,7 +12,7 @@ use super::space::{Space, StateId};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::case::Case;
 use crate::explore::program::litmus::Litmus;
-use crate::explore::program::machine::{Device, MOST_INVOCATIONS, Machine};
+use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS, Machine};
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::explore::program::subject::Subject;
 
@@ -106,8 +106,8 @@ pub(in crate::explore) fn explore(
     warp: Option<u32>,
     limits: &Limits<'_>,
 ) -> Option<Progressed> {
-    let device = Device { memory: MemoryModel::Sequential, warp };
-    let (graph, space, machine) = graph(case, device, limits)?;
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp };
+    let (graph, space, machine) = graph(case, conditions, limits)?;
     Some(Endings { graph, space, machine }.run())
 }
 
@@ -346,8 +346,8 @@ mod tests {
             inputs: Vec::new(),
         };
         let case = subject.case(&litmus);
-        let device = Device { memory: MemoryModel::Sequential, warp: None };
-        let machine = Machine::new(&case, device, true);
+        let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+        let machine = Machine::new(&case, conditions, true);
         let mut space = Space::new();
         for state in 0..graph.states() as StateId {
             let by = Move { invocation: 7, alternative: 0 };

@@ -8,10 +8,10 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use super::sites;
-use super::{Row, Verdict};
+use super::{Finding, Verdict};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::litmus::{self, Family, Litmus};
-use crate::explore::program::machine::Device;
+use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::Move;
 use crate::explore::program::subject::Subject;
 use crate::explore::replay::run;
@@ -89,7 +89,7 @@ pub struct Survey {
     /// The method.
     pub subject: Subject,
     /// How it was run.
-    pub device: Device,
+    pub conditions: Conditions,
     /// The instances explored, smallest first, with what they gave.
     pub explored: Vec<(Litmus, Explored)>,
     /// Sizes planned and sizes explored to their end.
@@ -105,10 +105,15 @@ pub struct Survey {
 impl Survey {
     /// Explore all instances up to a size, or up to the first size at which a result is wrong.
     #[must_use]
-    pub fn new(subject: &Subject, family: &Family, device: Device, limits: &Limits<'_>) -> Self {
+    pub fn new(
+        subject: &Subject,
+        family: &Family,
+        conditions: Conditions,
+        limits: &Limits<'_>,
+    ) -> Self {
         let mut survey = Self {
             subject: *subject,
-            device,
+            conditions,
             explored: Vec::new(),
             planned: family.fragments,
             size: 0,
@@ -118,7 +123,7 @@ impl Survey {
         for n in 1..=family.fragments {
             let instances = litmus::of_size(subject, family, n);
             let explore = |litmus: Litmus| {
-                let explored = exhaustive::explore(&subject.case(&litmus), device, limits);
+                let explored = exhaustive::explore(&subject.case(&litmus), conditions, limits);
                 (litmus, explored)
             };
             let explored: Vec<_> = instances.into_par_iter().map(explore).collect();
@@ -180,7 +185,7 @@ impl Survey {
 
     /// The row of a property.
     #[must_use]
-    pub fn row(&self, property: Property) -> Row {
+    pub fn row(&self, property: Property) -> Finding {
         let mut row = self.blank(Some(property));
         if let Some((litmus, explored, found)) = self.violation(property) {
             row.verdict = Verdict::Violated;
@@ -212,8 +217,13 @@ impl Survey {
 
     /// Explore one given instance, for one row per property.
     #[must_use]
-    pub fn given(subject: &Subject, litmus: &Litmus, device: Device, limits: &Limits<'_>) -> Self {
-        let explored = exhaustive::explore(&subject.case(litmus), device, limits);
+    pub fn given(
+        subject: &Subject,
+        litmus: &Litmus,
+        conditions: Conditions,
+        limits: &Limits<'_>,
+    ) -> Self {
+        let explored = exhaustive::explore(&subject.case(litmus), conditions, limits);
         let n = litmus.fragments.len() as u32;
         let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
         let given = Some(format!("these {n} fragments{k}"));
@@ -223,7 +233,15 @@ impl Survey {
             .into_keys()
             .map(|(line, column)| ("", line, column))
             .collect();
-        Self { subject: *subject, device, explored, planned: n, size: n, given, reached_elsewhere }
+        Self {
+            subject: *subject,
+            conditions,
+            explored,
+            planned: n,
+            size: n,
+            given,
+            reached_elsewhere,
+        }
     }
 
     /// Every result of the instances with exactly so many fragments, of distinct depths on one pixel, as one row each.
@@ -233,7 +251,7 @@ impl Survey {
         plan: &Plan,
         memory: MemoryModel,
         limits: &Limits<'_>,
-    ) -> Vec<Row> {
+    ) -> Vec<Finding> {
         let n = plan.fragments_under(subject.contract, memory);
         let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
         let distinct = |litmus: &Litmus| {
@@ -242,9 +260,9 @@ impl Survey {
             depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
         };
         let instances = litmus::of_size(subject, &family, n);
-        let device = Device { memory, warp: None };
+        let conditions = Conditions { memory, warp: None };
         let row = |litmus: Litmus| {
-            let survey = Self::given(subject, &litmus, device, limits);
+            let survey = Self::given(subject, &litmus, conditions, limits);
             let explored = &survey.explored[0].1;
             let mut row = survey.blank(None);
             row.instance = litmus.describe();
@@ -261,7 +279,7 @@ impl Survey {
         instances.into_iter().filter(distinct).map(row).collect()
     }
 
-    fn blank(&self, property: Option<Property>) -> Row {
+    fn blank(&self, property: Option<Property>) -> Finding {
         let contract = self.subject.contract;
         let ks: BTreeSet<u32> = self.explored.iter().filter_map(|(l, _)| l.k).collect();
         let ks: Vec<String> = ks.iter().map(ToString::to_string).collect();
@@ -277,16 +295,16 @@ impl Survey {
             None => format!("n <= {}{k}{patterns}", self.size),
         };
         let tables = if contract.crosses { ", some tables of 1 to 8 cells" } else { "" };
-        let bound = format!("{what}{tables}, {}", self.device.memory.bound());
-        Row {
+        let bound = format!("{what}{tables}, {}", self.conditions.memory.bound());
+        Finding {
             method: contract.name.to_owned(),
             property: property.map(|p| p.name().to_owned()),
             claim: None,
             verdict: Verdict::Unknown,
             exhaustive: self.is_complete(),
             bound,
-            memory: self.device.memory.name().to_owned(),
-            profile: self.device.memory.profile().map(str::to_owned),
+            memory: self.conditions.memory.name().to_owned(),
+            profile: self.conditions.memory.profile().map(str::to_owned),
             progress: None,
             instance: format!("{} instances", self.explored.len()),
             initial: "arbitrary but for the clear pass".to_owned(),
@@ -306,8 +324,8 @@ impl Survey {
         litmus: &Litmus,
         found: &Found,
     ) -> (Option<String>, String) {
-        let (subject, device) = (&self.subject, self.device);
-        witness(subject, property, litmus, device, [&found.schedule, &[]], &found.message)
+        let (subject, conditions) = (&self.subject, self.conditions);
+        witness(subject, property, litmus, conditions, [&found.schedule, &[]], &found.message)
     }
 }
 
@@ -316,17 +334,17 @@ fn witness(
     subject: &Subject,
     property: Property,
     litmus: &Litmus,
-    device: Device,
+    conditions: Conditions,
     schedule: [&[Move]; 2],
     message: &str,
 ) -> (Option<String>, String) {
     let moves = schedule.concat();
-    let Ok(run) = run::run(&subject.case(litmus), device, &moves) else {
+    let Ok(run) = run::run(&subject.case(litmus), conditions, &moves) else {
         return (None, message.to_owned());
     };
     let told = run.violations().find(|(p, _)| *p == property).map(|(_, told)| told.clone());
     let (method, name) = (subject.contract.name, property.name());
-    let token = LitmusToken::new(method, name, litmus, device, schedule, &run);
+    let token = LitmusToken::new(method, name, litmus, conditions, schedule, &run);
     let message = match (property, told, &run.end) {
         (Property::OneOutcome, _, Some(end)) => {
             format!("{message}; this schedule gives {}", pixels_told(&end.pixels))
@@ -364,7 +382,7 @@ pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
 
 /// Check a method: one row per property and memory model, then termination per progress model.
 #[must_use]
-pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
+pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding> {
     let mut rows = Vec::new();
     for &memory in &plan.memory {
         let family = Family {
@@ -372,7 +390,7 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
             ks: plan.ks.clone(),
             helpers: plan.helpers,
         };
-        let survey = Survey::new(subject, &family, Device { memory, warp: None }, limits);
+        let survey = Survey::new(subject, &family, Conditions { memory, warp: None }, limits);
         rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
     }
     rows.extend(termination(subject, plan, limits));
@@ -383,7 +401,7 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
 ///
 /// A method under which no state is met twice ends under every model, and is not explored further.
 #[must_use]
-pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Row> {
+pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding> {
     let simt = plan.simt.then_some("simt");
     let progress = plan.progress_of(subject.contract);
     let names: Vec<&str> = progress.iter().map(|p| p.name()).chain(simt).collect();
@@ -392,8 +410,8 @@ pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<R
     }
     let n = plan.fragments.unwrap_or(MOST_PROGRESS).min(MOST_PROGRESS);
     let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
-    let device = Device { memory: MemoryModel::Sequential, warp: None };
-    let survey = Survey::new(subject, &family, device, limits);
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    let survey = Survey::new(subject, &family, conditions, limits);
     let instances = || survey.explored.iter().map(|(litmus, _)| litmus.clone()).collect();
     if survey.is_complete() && !survey.explored.iter().any(|(_, e)| e.cyclic) {
         return names.into_iter().map(|name| survey.ends(name)).collect();
@@ -419,7 +437,7 @@ pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<R
 
 impl Survey {
     /// The row of a method that never repeats a state.
-    fn ends(&self, progress: &str) -> Row {
+    fn ends(&self, progress: &str) -> Finding {
         let mut row = self.blank(Some(Property::Termination));
         row.verdict = Verdict::Verified;
         row.progress = Some(progress.to_owned());
@@ -450,8 +468,8 @@ impl<'a> Endings<'a> {
         Self { survey, warp, all: instances.into_par_iter().map(explore).collect() }
     }
 
-    fn row(&self, model: Progress, name: &str) -> Row {
-        let device = Device { memory: MemoryModel::Sequential, warp: self.warp };
+    fn row(&self, model: Progress, name: &str) -> Finding {
+        let conditions = Conditions { memory: MemoryModel::Sequential, warp: self.warp };
         let mut row = self.survey.blank(Some(Property::Termination));
         let complete = self.all.iter().all(|(_, found)| found.is_some());
         row.exhaustive = complete;
@@ -467,7 +485,7 @@ impl<'a> Endings<'a> {
                 let schedule = [lasso.stem.as_slice(), lasso.cycle.as_slice()];
                 let (subject, property) = (&self.survey.subject, Property::Termination);
                 (row.token, row.message) =
-                    witness(subject, property, litmus, device, schedule, &message);
+                    witness(subject, property, litmus, conditions, schedule, &message);
             }
             None if complete => row.verdict = Verdict::Verified,
             None => row.message = "a bound was hit before all states were explored".to_owned(),

@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::check::{self, Plan, Survey};
-use super::{Row, Verdict};
+use super::{Finding, Verdict};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::explore::program::litmus::Family;
-use crate::explore::program::machine::Device;
+use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
@@ -241,7 +241,7 @@ impl Claim {
         only: &[String],
         plan: &Plan,
         limits: &Limits<'_>,
-    ) -> Result<Vec<Row>> {
+    ) -> Result<Vec<Finding>> {
         let methods: Vec<&str> = if only.is_empty() {
             self.methods.to_vec()
         } else {
@@ -260,13 +260,13 @@ impl Claim {
                     Ks::Ends => vec![1, n],
                 };
                 let family = Family { fragments: n, ks, helpers: plan.helpers };
-                let device = Device { memory, warp: None };
-                let mut survey = Survey::new(&subject, &family, device, limits);
+                let conditions = Conditions { memory, warp: None };
+                let mut survey = Survey::new(&subject, &family, conditions, limits);
                 if self.ks == Ks::Ends {
                     // The ends alone do not reach all of a method.
                     let all = Family { ks: plan.ks.clone(), ..family };
                     survey.reached_elsewhere =
-                        Survey::new(&subject, &all, device, limits).reached();
+                        Survey::new(&subject, &all, conditions, limits).reached();
                 }
                 rows.push(self.row(&survey, &check::properties(&subject, memory)));
             }
@@ -275,10 +275,10 @@ impl Claim {
     }
 
     /// The worst of the properties' rows; of several violations, the one on the smallest instance.
-    fn row(&self, survey: &Survey, asked: &[Property]) -> Row {
+    fn row(&self, survey: &Survey, asked: &[Property]) -> Finding {
         let of_claim = self.properties.iter().filter(|p| asked.contains(p));
-        let rows: Vec<Row> = of_claim.map(|&p| survey.row(p)).collect();
-        let size = |row: &Row| row.steps.unwrap_or(u64::MAX);
+        let rows: Vec<Finding> = of_claim.map(|&p| survey.row(p)).collect();
+        let size = |row: &Finding| row.steps.unwrap_or(u64::MAX);
         let worst = rows
             .iter()
             .max_by(|a, b| a.verdict.cmp(&b.verdict).then(size(b).cmp(&size(a))))
@@ -294,8 +294,8 @@ impl Claim {
         row
     }
 
-    fn undecided(&self) -> Row {
-        Row {
+    fn undecided(&self) -> Finding {
+        Finding {
             method: String::new(),
             property: None,
             claim: Some(self.id.to_owned()),

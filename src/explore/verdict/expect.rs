@@ -11,7 +11,7 @@
 
 use serde::Deserialize;
 
-use super::{Row, Verdict};
+use super::{Finding, Verdict};
 use crate::error::{Error, Result};
 
 /// One expectation. Fields that are left out match anything.
@@ -54,7 +54,7 @@ pub fn parse(place: &str, text: &str) -> Result<Vec<Expectation>> {
 }
 
 impl Expectation {
-    fn matches(&self, row: &Row) -> bool {
+    fn matches(&self, row: &Finding) -> bool {
         let same = |wanted: &Option<String>, found: Option<&str>| {
             wanted.as_deref().is_none_or(|wanted| Some(wanted) == found)
         };
@@ -82,7 +82,7 @@ impl Expectation {
 /// What is not as expected: rows with another verdict than an expectation that matches them, expectations that match
 /// nothing, and violations that nobody expected. The first expectation that matches a row counts.
 #[must_use]
-pub fn surprises(expected: &[Expectation], rows: &[Row]) -> Vec<String> {
+pub fn surprises(expected: &[Expectation], rows: &[Finding]) -> Vec<String> {
     let mut found = Vec::new();
     for row in rows {
         let what = row.property.iter().chain(&row.claim).cloned().collect::<Vec<_>>().join(" ");

@@ -14,7 +14,7 @@ use crate::catalogue::faults::MUTATIONS;
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{MemoryModel, Profile};
 use crate::explore::program::litmus::Family;
-use crate::explore::program::machine::Device;
+use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
@@ -199,8 +199,8 @@ impl Examined {
             ks: plan.ks.iter().copied().filter(|&k| k <= 2).collect(),
             helpers: 0,
         };
-        let device = Device { memory, warp: None };
-        let survey = Survey::new(&self.subject, &family, device, limits);
+        let conditions = Conditions { memory, warp: None };
+        let survey = Survey::new(&self.subject, &family, conditions, limits);
         self.complete &= survey.is_complete();
         let properties = check::properties(&self.subject, memory).into_iter();
         let is_race = |p: Property| p == Property::RaceFree;

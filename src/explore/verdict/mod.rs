@@ -34,7 +34,7 @@ impl Verdict {
 
 /// One row of a check's report.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Row {
+pub struct Finding {
     /// The method.
     pub method: String,
     /// The property, unless a claim is checked.

@@ -2,23 +2,11 @@
 
 use serde::Serialize;
 
-use super::band::Expected;
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
+use crate::gpu::twin::band::Expected;
+use crate::gpu::twin::resolve::Downloaded;
 use crate::scheme::contract::{Contract, Keeps};
-
-/// What came back from a device: as many records of every pixel as were expected, and how many there were.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Downloaded {
-    /// Records that the device has of each pixel.
-    pub counts: Vec<u32>,
-    /// The records, in places of the same size as those expected.
-    pub keys: Vec<u64>,
-    /// Colours, sRGB RGBA8.
-    pub colors: Vec<u32>,
-    /// Where each pixel's places begin, and how many it has.
-    pub rooms: Vec<(u32, u32)>,
-}
 
 /// How a device's result differs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -65,16 +53,6 @@ impl Differences {
             + self.list_differences
             + self.pixel_differences
             == 0
-    }
-}
-
-impl Downloaded {
-    /// A pixel's records, as many as it has places for.
-    #[must_use]
-    pub fn pixel(&self, pixel: usize) -> &[u64] {
-        let (start, room) = self.rooms[pixel];
-        let count = self.counts[pixel].min(room);
-        &self.keys[start as usize..(start + count) as usize]
     }
 }
 

@@ -14,7 +14,7 @@ use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::program::{
-    Bound, Group, Pass, Program, Shape, WRITABLE, constants, group, words_of,
+    Bound, Dispatch, Group, Program, Shape, WRITABLE, constants, group, words_of,
 };
 use crate::gpu::twin::source::Twin;
 use crate::memory::Inputs;
@@ -22,7 +22,7 @@ use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::num::depth::Format;
 use crate::raster::Record;
-use crate::scheme::contract::{Contract, Kind};
+use crate::scheme::contract::{Contract, PassKind};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::{Config, Outcome};
 
@@ -82,10 +82,10 @@ fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
         Part::Clear => vec![Step::Clear],
         Part::Resolve => Vec::new(),
         Part::Pass(number) => match contract.program.passes[number].kind {
-            Kind::Prepare => order.iter().map(|&i| Step::Prepare(number, i)).collect(),
-            Kind::Screen => (0..pixels).map(|pixel| Step::Screen(number, pixel)).collect(),
-            Kind::Frame => vec![Step::Frame(number)],
-            Kind::Store => order.iter().map(|&i| Step::Store(i)).collect(),
+            PassKind::Prepare => order.iter().map(|&i| Step::Prepare(number, i)).collect(),
+            PassKind::Screen => (0..pixels).map(|pixel| Step::Screen(number, pixel)).collect(),
+            PassKind::Frame => vec![Step::Frame(number)],
+            PassKind::Store => order.iter().map(|&i| Step::Store(i)).collect(),
         },
     };
     Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
@@ -205,11 +205,11 @@ struct Bench<'a, 'd> {
     program: &'a Program<'d>,
     fragments: wgpu::Buffer,
     slots: Vec<Group>,
-    store: Pass,
-    prepare: Option<Pass>,
-    clear: Vec<(Pass, u64)>,
-    screens: Vec<Pass>,
-    frames: Vec<Option<Pass>>,
+    store: Dispatch,
+    prepare: Option<Dispatch>,
+    clear: Vec<(Dispatch, u64)>,
+    screens: Vec<Dispatch>,
+    frames: Vec<Option<Dispatch>>,
 }
 
 /// The most fragments of a litmus pixel.
@@ -242,7 +242,7 @@ impl<'a, 'd> Bench<'a, 'd> {
         }
         let mut frames = Vec::new();
         for (number, pass) in program.shape.contract.program.passes.iter().enumerate() {
-            let frame = pass.kind == Kind::Frame;
+            let frame = pass.kind == PassKind::Frame;
             frames.push(frame.then(|| program.frame_words(number)).transpose()?);
         }
         Ok(Self {

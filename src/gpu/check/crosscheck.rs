@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use super::band::{Band, Picture};
 use super::compare::{Differences, compare};
 use crate::error::{self, Error};
 use crate::exec::Method;
 use crate::fragment::Data;
 use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::band::{Band, Picture};
 use crate::gpu::twin::program::{Program, Shape, constants};
 use crate::gpu::twin::raster::{Raster, Triangles};
 use crate::gpu::twin::resolve::resolve;
@@ -58,7 +58,7 @@ pub enum Status {
 
 /// One method on one device, over a whole scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Row {
+pub struct Agreement {
     /// The adapter.
     pub adapter: String,
     /// Its driver.
@@ -89,7 +89,7 @@ pub struct Row {
     pub is_finding: bool,
 }
 
-impl Row {
+impl Agreement {
     /// There was something to compare.
     #[must_use]
     pub fn is_compared(&self) -> bool {
@@ -142,11 +142,11 @@ pub fn run(
     picture: &Picture,
     sub_pixel_bits: u32,
     options: &Options,
-) -> Vec<Row> {
+) -> Vec<Agreement> {
     let mut runs = Vec::new();
     for &twin in &options.twins {
         let contract = twin.method.contract();
-        runs.extend(options.paths.iter().map(|&path| Run {
+        runs.extend(options.paths.iter().map(|&path| BandRun {
             device,
             twin,
             contract,
@@ -167,7 +167,7 @@ pub fn run(
 }
 
 /// One method on one path, band by band.
-struct Run<'d> {
+struct BandRun<'d> {
     device: &'d Device,
     twin: Twin,
     contract: &'static Contract,
@@ -180,7 +180,7 @@ struct Run<'d> {
     failure: Option<Failure>,
 }
 
-impl Run<'_> {
+impl BandRun<'_> {
     fn band(&mut self, band: &Band<'_>) {
         if self.failure.is_some() {
             return;
@@ -236,10 +236,10 @@ impl Run<'_> {
         Ok((differences, by_compute, program.again()))
     }
 
-    fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Row {
+    fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Agreement {
         let AdapterName { name, driver, .. } = self.device.name.clone();
         let (status, is_finding, reason) = self.verdict();
-        Row {
+        Agreement {
             adapter: name,
             driver,
             method: self.contract.name.to_owned(),

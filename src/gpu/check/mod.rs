@@ -1,8 +1,8 @@
 //! Whether a device agrees: twins against the simulator on scenes, on random fragments, and under stress.
 
-pub mod band;
 pub mod compare;
 pub mod conform;
 pub mod crosscheck;
+pub mod open;
 pub mod race;
 pub mod stress;

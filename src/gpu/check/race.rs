@@ -2,11 +2,11 @@
 //! same fragments. What is set up once for a scene (triangles, buffers, pipelines) is not timed on either side, and
 //! neither is what is fetched or compared.
 
-use super::band::{Band, Picture};
 use super::crosscheck::record;
 use crate::exec::clock::Stopwatch;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Result;
+use crate::gpu::twin::band::{Band, Picture};
 use crate::gpu::twin::program::{Program, Shape, constants};
 use crate::gpu::twin::raster::{Raster, Triangles};
 use crate::gpu::twin::resolve::Resolve;

@@ -103,7 +103,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let n = litmus.fragments.len();
         litmus.pixels == 1 && litmus.room as usize == n && n > 1
     };
-    let device_model = explore::Device { memory: MemoryModel::Sequential, warp: None };
+    let device_model = explore::Conditions { memory: MemoryModel::Sequential, warp: None };
     let limits = Limits { states: STATES, cancelled: &|| false };
     let mut known = BTreeSet::new();
     for litmus in instances(&subject, &family).into_iter().filter(whole) {
@@ -168,9 +168,10 @@ impl Stressed {
         if others.is_empty() {
             return;
         }
-        let device = explore::Device { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
+        let conditions =
+            explore::Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
         let limits = Limits { states: STATES, cancelled: &|| false };
-        let explored = explore::explore(subject, litmus, device, &limits);
+        let explored = explore::explore(subject, litmus, conditions, &limits);
         for (keys, &count) in others {
             if explored.outcomes.contains_key(&[Held::Keys(keys.clone())][..]) {
                 self.relaxed += count;
@@ -218,7 +219,7 @@ fn run(
     let mut others = BTreeMap::new();
     let mut fill = true;
     for repeat in 0..extent.repeats {
-        for order in [Order::Together, Order::Apart, Order::Shuffled] {
+        for order in [Arrangement::Together, Arrangement::Apart, Arrangement::Shuffled] {
             let fragments = order.arrange(litmus, repeat);
             // The explorer tries both, wherever a word is read that nobody wrote.
             program.fill(if fill { 0 } else { u8::MAX });
@@ -239,7 +240,7 @@ fn run(
 
 /// Where the fragments of a pixel stand among all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
+enum Arrangement {
     /// In neighbouring lanes.
     Together,
     /// In different workgroups.
@@ -248,7 +249,7 @@ enum Order {
     Shuffled,
 }
 
-impl Order {
+impl Arrangement {
     fn arrange(self, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
         let own: Vec<Fragment> = litmus.fragments().collect();
         let on = |pixel: u32| move |f: &Fragment| Fragment { pixel, ..*f };

@@ -1,6 +1,7 @@
-//! Twins: the WGSL text of a method, the program of its passes, its fragments from the device's rasterizer, and its
-//! lists, resolved.
+//! Twins: the WGSL text of a method, the program of its passes, scenes cut to what a device has room for, fragments from
+//! the device's rasterizer, and lists, resolved.
 
+pub mod band;
 pub mod program;
 pub mod raster;
 pub mod resolve;

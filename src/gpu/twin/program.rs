@@ -15,7 +15,7 @@ use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 use crate::scheme::Config;
-use crate::scheme::contract::{Contract, Kind};
+use crate::scheme::contract::{Contract, PassKind};
 use crate::scheme::course::{Course, Part};
 
 /// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
@@ -238,12 +238,12 @@ pub struct Program<'d> {
     /// Invocations that gave up waiting, and were run again.
     again: Cell<u64>,
     /// What was compiled, by entry point and overrides.
-    passes: RefCell<BTreeMap<String, Pass>>,
+    passes: RefCell<BTreeMap<String, Dispatch>>,
 }
 
 /// A pipeline.
 #[derive(Clone, Debug)]
-pub struct Pass {
+pub struct Dispatch {
     pipeline: wgpu::ComputePipeline,
 }
 
@@ -326,7 +326,7 @@ impl<'d> Program<'d> {
         entry: &str,
         second: Option<&wgpu::BindGroupLayout>,
         overrides: &[(&str, f64)],
-    ) -> Result<Pass> {
+    ) -> Result<Dispatch> {
         let name = format!("{entry} {overrides:?}");
         if let Some(pass) = self.passes.borrow().get(&name) {
             return Ok(pass.clone());
@@ -351,7 +351,7 @@ impl<'d> Program<'d> {
             cache: None,
         });
         self.device.check()?;
-        let pass = Pass { pipeline };
+        let pass = Dispatch { pipeline };
         self.passes.borrow_mut().insert(name, pass.clone());
         Ok(pass)
     }
@@ -360,7 +360,7 @@ impl<'d> Program<'d> {
     pub fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pass: &Pass,
+        pass: &Dispatch,
         second: Option<&wgpu::BindGroup>,
         invocations: u64,
     ) {
@@ -411,10 +411,10 @@ impl<'d> Program<'d> {
             Part::Clear => self.clear(),
             Part::Resolve => Ok(()),
             Part::Pass(number) => match program.passes[number].kind {
-                Kind::Store => geometry("store"),
-                Kind::Prepare => geometry("prepare"),
-                Kind::Screen => self.screen_pass(),
-                Kind::Frame => self.frame_pass(number),
+                PassKind::Store => geometry("store"),
+                PassKind::Prepare => geometry("prepare"),
+                PassKind::Screen => self.screen_pass(),
+                PassKind::Frame => self.frame_pass(number),
             },
         };
         let mut part = part;
@@ -442,7 +442,7 @@ impl<'d> Program<'d> {
     }
 
     /// A pass over the frame's words, compiled.
-    pub(in crate::gpu) fn frame_words(&self, number: usize) -> Result<Pass> {
+    pub(in crate::gpu) fn frame_words(&self, number: usize) -> Result<Dispatch> {
         let invocations = self.shape.invocations[number];
         let overrides = [("PASS", number as f64), ("INVOCATIONS", f64::from(invocations))];
         self.pass("frame_pass", None, &overrides)
@@ -504,7 +504,7 @@ impl<'d> Program<'d> {
         offset: u64,
         size: u64,
         entry: &str,
-    ) -> Result<(Group, Pass)> {
+    ) -> Result<(Group, Dispatch)> {
         let bound = Bound {
             binding: 0,
             buffer,

@@ -10,10 +10,10 @@ use std::ops::Range;
 
 use wgpu::BufferUsages;
 
+use super::band::Band;
 use super::program::{Bound, Group, Program, WRITABLE, group};
 use super::source::Path;
 use crate::fragment::Fragment;
-use crate::gpu::check::band::Band;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::raster::clip::{Polygon, Snapped, UNITS, doubled_area};

@@ -2,9 +2,31 @@
 
 use wgpu::{BufferUsages, ShaderStages};
 
-use super::program::{Bound, Group, Pass, Program, READABLE, WRITABLE, group};
-use crate::gpu::check::compare::Downloaded;
+use super::program::{Bound, Dispatch, Group, Program, READABLE, WRITABLE, group};
 use crate::gpu::driver::failure::Result;
+
+/// What came back from a device: as many records of every pixel as were expected, and how many there were.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Downloaded {
+    /// Records that the device has of each pixel.
+    pub counts: Vec<u32>,
+    /// The records, in places of the same size as those expected.
+    pub keys: Vec<u64>,
+    /// Colours, sRGB RGBA8.
+    pub colors: Vec<u32>,
+    /// Where each pixel's places begin, and how many it has.
+    pub rooms: Vec<(u32, u32)>,
+}
+
+impl Downloaded {
+    /// A pixel's records, as many as it has places for.
+    #[must_use]
+    pub fn pixel(&self, pixel: usize) -> &[u64] {
+        let (start, room) = self.rooms[pixel];
+        let count = self.counts[pixel].min(room);
+        &self.keys[start as usize..(start + count) as usize]
+    }
+}
 
 /// A resolve pass with room for its results.
 #[derive(Debug)]
@@ -13,7 +35,7 @@ pub struct Resolve<'a, 'd> {
     rays: wgpu::Buffer,
     lists: wgpu::Buffer,
     group: Group,
-    pass: Pass,
+    pass: Dispatch,
     /// Where each pixel's places begin, and how many it has.
     rooms: Vec<(u32, u32)>,
     /// Of all lists.

@@ -54,11 +54,11 @@ impl Input {
 /// The words of all inputs of a scheme.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
-    tables: Vec<Table>,
+    tables: Vec<Filled>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Table {
+struct Filled {
     words: Vec<u32>,
     /// What a word beyond the last one reads as.
     default: u32,
@@ -68,7 +68,7 @@ impl Inputs {
     /// Every word has its input's default: no words are stored.
     #[must_use]
     pub fn defaults(layout: &Layout) -> Self {
-        let table = |d: &Declared| Table { words: Vec::new(), default: d.default };
+        let table = |d: &Declared| Filled { words: Vec::new(), default: d.default };
         Self { tables: layout.inputs().iter().map(table).collect() }
     }
 
@@ -88,7 +88,7 @@ impl Inputs {
     /// Every input's words, as many as it has for so many pixels: those of triangles as far as they were filled.
     #[must_use]
     pub fn tables(&self, layout: &Layout, pixels: u32) -> Vec<Vec<u32>> {
-        let table = |(table, declared): (&Table, &Declared)| {
+        let table = |(table, declared): (&Filled, &Declared)| {
             let length = match declared.per {
                 Per::Pixel => pixels as usize,
                 Per::Primitive => table.words.len(),

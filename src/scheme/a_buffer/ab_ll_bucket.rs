@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, depth_of};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Demand, Kind, Pass, Program};
+use crate::scheme::contract::{Barrier, Demand, Pass, PassKind, Program};
 use crate::scheme::parts::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -21,7 +21,7 @@ use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 const BUCKETS: u32 = 4;
 
 /// The pass that finds the range.
-const RANGE: Pass = Pass::new("depth range", Kind::Prepare, Barrier::Pixel);
+const RANGE: Pass = Pass::new("depth range", PassKind::Prepare, Barrier::Pixel);
 
 /// The correct form, or a fault in it.
 pub trait Variant: Send + Sync + 'static {

@@ -27,14 +27,14 @@ use super::table::{Place, Table};
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
 use crate::memory::{Event, Layout, Memory, Order, Snapshot, Word};
 use crate::num::depth::Format;
-use crate::scheme::contract::{Barrier, Demand, Form, Keeps, Kind, Pass, Program};
+use crate::scheme::contract::{Barrier, Demand, Form, Keeps, Pass, PassKind, Program};
 use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
 /// The largest depth of 24 bits.
 const FAR: u32 = 0xFF_FFFF;
 
 /// The pass that clears the table.
-pub(super) const CLEAR: Pass = Pass::new("clear table", Kind::Frame, Barrier::Frame);
+pub(super) const CLEAR: Pass = Pass::new("clear table", PassKind::Frame, Barrier::Frame);
 
 /// Clear, then store, and nobody resolves before all are in.
 pub(super) const PROGRAM: Program = Program {

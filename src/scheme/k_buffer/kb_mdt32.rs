@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::{EMPTY, Format};
-use crate::scheme::contract::{Barrier, Form, Kind, Pass, Program};
+use crate::scheme::contract::{Barrier, Form, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The published form, or a fault in it.
@@ -52,7 +52,7 @@ const CONTRACT: Contract = Contract {
     section: "k+-buffer paper, 2 (KB-MDT)",
     form: Form::Published,
     program: Program::of(&[
-        Pass::new("depths", Kind::Prepare, Barrier::Pixel),
+        Pass::new("depths", PassKind::Prepare, Barrier::Pixel),
         Pass::store(Barrier::Pixel),
     ]),
     words: "2k",

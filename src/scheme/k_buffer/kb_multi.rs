@@ -17,7 +17,7 @@ use super::kb::insert;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Kind, Pass, Program};
+use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Registers for entries, as in `kb`.
@@ -73,7 +73,7 @@ const CONTRACT: Contract = Contract {
     paper: "Liu, Wei, Xu, Wu 2009a",
     section: "k+-buffer paper, 2 (KB-Multi)",
     program: Program::repeated(&[
-        Pass::new("insert", Kind::Prepare, Barrier::Pixel),
+        Pass::new("insert", PassKind::Prepare, Barrier::Pixel),
         Pass::store(Barrier::Pixel),
     ]),
     words: "3k + 6",

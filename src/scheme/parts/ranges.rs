@@ -15,7 +15,7 @@
 
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::scheme::Config;
-use crate::scheme::contract::{Barrier, Kind, Pass};
+use crate::scheme::contract::{Barrier, Pass, PassKind};
 
 /// Pixels of a block, and blocks of a group.
 const RADIX: u32 = 64;
@@ -31,10 +31,10 @@ pub const GROUPS: usize = 3;
 
 /// Count, sum up, store.
 pub const PASSES: &[Pass] = &[
-    Pass::new("count", Kind::Prepare, Barrier::Pixel),
-    Pass::new("refer", Kind::Screen, Barrier::Pixel),
-    Pass::new("sum blocks", Kind::Frame, Barrier::Frame),
-    Pass::new("sum groups", Kind::Frame, Barrier::Frame),
+    Pass::new("count", PassKind::Prepare, Barrier::Pixel),
+    Pass::new("refer", PassKind::Screen, Barrier::Pixel),
+    Pass::new("sum blocks", PassKind::Frame, Barrier::Frame),
+    Pass::new("sum groups", PassKind::Frame, Barrier::Frame),
     Pass::store(Barrier::Frame),
 ];
 

@@ -10,7 +10,7 @@
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Kind, Pass, Program};
+use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
 use crate::scheme::parts::ends::Ends;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -38,7 +38,7 @@ impl Scheme for BucketPeel {
         paper: "Liu, Huang, Liu, Wu 2009b",
         section: "k+-buffer paper, 2",
         program: Program::repeated(&[
-            Pass::new("depth range", Kind::Prepare, Barrier::Pixel),
+            Pass::new("depth range", PassKind::Prepare, Barrier::Pixel),
             Pass::store(Barrier::Pixel),
         ]),
         words: "42",

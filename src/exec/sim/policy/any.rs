@@ -1,12 +1,12 @@
 //! Any of the policies, as one type: the device's loop then holds their code, and there is one loop for all of them.
 
-use super::order::{Order, Reverse};
+use super::order::{InOrder, Reverse};
 use super::pct::Pct;
 use super::random::RandomSlot;
 use super::recorded::Recorded;
 use super::round_robin::RoundRobin;
 use super::warp::Warp;
-use super::{Kind, MAX_WARP, Policy, Settings};
+use super::{MAX_WARP, Policy, Scheduler, Scheduling};
 use crate::error::{Error, Result};
 use crate::exec::sim::schedule::Reader;
 
@@ -16,7 +16,7 @@ pub(in crate::exec::sim) struct Any(Inner);
 
 #[derive(Debug)]
 enum Inner {
-    Order(Order),
+    Order(InOrder),
     Reverse(Reverse),
     RoundRobin(RoundRobin),
     Random(RandomSlot),
@@ -45,23 +45,25 @@ impl Any {
     ///
     /// # Errors
     /// See [`super::make`].
-    pub(in crate::exec::sim) fn new(settings: &Settings) -> Result<Self> {
-        let inner = match &settings.policy {
-            Kind::Order => Inner::Order(Order::default()),
-            Kind::Reverse => Inner::Reverse(Reverse::default()),
-            Kind::RoundRobin => Inner::RoundRobin(RoundRobin::default()),
-            Kind::Random => Inner::Random(RandomSlot::new(settings.seed)),
-            Kind::Warp(lanes) if (1..=MAX_WARP).contains(lanes) => Inner::Warp(Warp::new(*lanes)),
-            Kind::Warp(lanes) => {
+    pub(in crate::exec::sim) fn new(scheduling: &Scheduling) -> Result<Self> {
+        let inner = match &scheduling.policy {
+            Policy::Order => Inner::Order(InOrder::default()),
+            Policy::Reverse => Inner::Reverse(Reverse::default()),
+            Policy::RoundRobin => Inner::RoundRobin(RoundRobin::default()),
+            Policy::Random => Inner::Random(RandomSlot::new(scheduling.seed)),
+            Policy::Warp(lanes) if (1..=MAX_WARP).contains(lanes) => Inner::Warp(Warp::new(*lanes)),
+            Policy::Warp(lanes) => {
                 let problem = format!("warp:{lanes}: a warp has 1 to {MAX_WARP} lanes");
                 return Err(Error::new("--schedule", problem));
             }
-            Kind::Pct(0) => {
+            Policy::Pct(0) => {
                 return Err(Error::new("--schedule", "pct:0: the depth is at least 1"));
             }
-            Kind::Pct(depth) => Inner::Pct(Pct::new(settings.seed, *depth, settings.resident)),
-            Kind::Recorded(bytes) => {
-                let reader = Reader::new(bytes.clone(), settings.fingerprint)?;
+            Policy::Pct(depth) => {
+                Inner::Pct(Pct::new(scheduling.seed, *depth, scheduling.resident))
+            }
+            Policy::Recorded(bytes) => {
+                let reader = Reader::new(bytes.clone(), scheduling.fingerprint)?;
                 Inner::Recorded(Recorded::new(reader))
             }
         };
@@ -75,7 +77,7 @@ impl Any {
 }
 
 #[allow(clippy::inline_always, reason = "asked before every step")]
-impl Policy for Any {
+impl Scheduler for Any {
     fn admit(&mut self, slot: u32) {
         each!(&mut self.0, policy => policy.admit(slot));
     }

@@ -13,7 +13,7 @@ use crate::error::Result;
 pub(super) use any::Any;
 
 /// Decides the schedule. Slots are told as they fill and empty; `next` is asked only while one is filled.
-pub trait Policy {
+pub trait Scheduler {
     /// The slot took a new invocation, younger than all before.
     fn admit(&mut self, slot: u32);
 
@@ -57,7 +57,7 @@ pub trait Policy {
 
 /// Who goes next on the simulated device.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum Policy {
     /// The oldest invocation runs to its end: submission order.
     Order,
     /// The youngest resident invocation goes first.
@@ -76,10 +76,10 @@ pub enum Kind {
 
 /// How the simulated device is set up.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Settings {
+pub struct Scheduling {
     /// Who goes next.
-    pub policy: Kind,
-    /// Seed of `Kind::Random` and `Kind::Pct`.
+    pub policy: Policy,
+    /// Seed of `Policy::Random` and `Policy::Pct`.
     pub seed: u64,
     /// Invocations in flight, at least 1; a recorded schedule brings its own.
     pub resident: usize,
@@ -100,6 +100,6 @@ pub const MAX_WARP: u32 = 1_024;
 ///
 /// # Errors
 /// A warp of no or too many lanes, or a schedule that cannot be read.
-pub fn make(settings: &Settings) -> Result<Box<dyn Policy>> {
-    Ok(Box::new(Any::new(settings)?))
+pub fn make(scheduling: &Scheduling) -> Result<Box<dyn Scheduler>> {
+    Ok(Box::new(Any::new(scheduling)?))
 }

@@ -3,14 +3,14 @@
 
 use std::collections::VecDeque;
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::Result;
 
 /// The oldest first. Slots fill in order of age, so a queue holds them by age.
 #[derive(Debug, Default)]
-pub(super) struct Order(VecDeque<u32>);
+pub(super) struct InOrder(VecDeque<u32>);
 
-impl Policy for Order {
+impl Scheduler for InOrder {
     fn admit(&mut self, slot: u32) {
         self.0.push_back(slot);
     }
@@ -29,7 +29,7 @@ impl Policy for Order {
 #[derive(Debug, Default)]
 pub(super) struct Reverse(VecDeque<u32>);
 
-impl Policy for Reverse {
+impl Scheduler for Reverse {
     fn admit(&mut self, slot: u32) {
         self.0.push_back(slot);
     }

@@ -12,7 +12,7 @@
 
 use std::collections::BTreeSet;
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::Result;
 use crate::num::random::Random;
 
@@ -59,7 +59,7 @@ impl Pct {
     }
 }
 
-impl Policy for Pct {
+impl Scheduler for Pct {
     fn admit(&mut self, slot: u32) {
         if self.priorities.len() <= slot as usize {
             self.priorities.resize(slot as usize + 1, 0);

@@ -1,6 +1,6 @@
 //! `random`: a uniformly random resident invocation, from a seed.
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::Result;
 use crate::num::random::{Random, below};
 
@@ -31,7 +31,7 @@ impl RandomSlot {
     }
 }
 
-impl Policy for RandomSlot {
+impl Scheduler for RandomSlot {
     fn admit(&mut self, slot: u32) {
         if self.places.len() <= slot as usize {
             self.places.resize(slot as usize + 1, 0);

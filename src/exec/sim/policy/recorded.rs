@@ -1,6 +1,6 @@
 //! `recorded`: a schedule that was recorded before, step by step.
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::{Error, Result};
 use crate::exec::sim::schedule::Reader;
 
@@ -14,7 +14,7 @@ impl Recorded {
     }
 }
 
-impl Policy for Recorded {
+impl Scheduler for Recorded {
     fn admit(&mut self, _: u32) {}
 
     fn retire(&mut self, _: u32) {}

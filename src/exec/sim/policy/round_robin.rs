@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::Result;
 
 /// A ring of slots; the last one has just moved.
@@ -11,7 +11,7 @@ pub(super) struct RoundRobin {
     ring: VecDeque<u32>,
 }
 
-impl Policy for RoundRobin {
+impl Scheduler for RoundRobin {
     fn admit(&mut self, slot: u32) {
         self.ring.push_back(slot);
     }

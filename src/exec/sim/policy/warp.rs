@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::Policy;
+use super::Scheduler;
 use crate::error::Result;
 
 /// Warps with unfinished lanes, in turn; the first one is at `lane`.
@@ -33,7 +33,7 @@ impl Warp {
     }
 }
 
-impl Policy for Warp {
+impl Scheduler for Warp {
     fn admit(&mut self, slot: u32) {
         let warp = (slot / self.lanes) as usize;
         if self.live.len() <= warp {

@@ -1,9 +1,9 @@
 //! Which devices take part, and what their rasterizers are like.
 
-use super::device::{self, Device};
-use super::failure::Failure;
 use crate::error::{Error, Result};
 use crate::gpu::check::crosscheck::{Options, Path};
+use crate::gpu::driver::device::{self, Device};
+use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::raster;
 
 /// An open device, and the sub-pixel bits that were measured on it.
