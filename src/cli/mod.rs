@@ -1,31 +1,18 @@
-//! The command line: one file per command. A command takes what was typed (`flags`), checks and completes it
-//! (`settings`), runs, and says what it found.
+//! The command line: one file per command. A command takes what was typed (`options::flags`), checks and completes it
+//! (`options::settings`), runs, and says what it found.
+//!
+//! A room uses only rooms that stand before it in this order:
+//!
+//! `options` → `terminal` → `list` → `verify` → `draw`
 //!
 //! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
 //! stdout, everything else to stderr, one line each.
 
-#[cfg(feature = "gpu")]
-mod adapters;
-mod bench;
-mod check;
-mod claims;
-mod compare;
-#[cfg(feature = "gpu")]
-mod crosscheck;
-mod effects;
-mod flags;
-mod frames;
-mod interrupt;
-mod methods;
-mod mutations;
-mod render;
-mod replay;
-mod reproduce;
-mod say;
-mod scenes;
-mod settings;
-mod values;
-mod wait;
+mod draw;
+mod list;
+mod options;
+mod terminal;
+mod verify;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -34,6 +21,14 @@ use clap::{CommandFactory, Parser};
 
 use crate::catalogue::Catalogue;
 use crate::error::Result;
+use draw::{bench, compare, render};
+#[cfg(feature = "gpu")]
+use list::adapters;
+use list::{claims, methods, mutations, scenes};
+use terminal::say;
+#[cfg(feature = "gpu")]
+use verify::crosscheck;
+use verify::{check, replay, reproduce};
 
 /// A bit-exact CPU rasterizer that runs multi-fragment shaders as concurrent programs.
 #[derive(Debug, Parser)]

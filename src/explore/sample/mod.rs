@@ -3,8 +3,10 @@
 mod executions;
 pub mod minimise;
 mod pixel;
+mod replay;
 pub mod stability;
 mod walk;
 
 pub use self::executions::Executions;
 pub use self::pixel::{cut, litmus_of, sampled};
+pub use self::replay::{SceneReplay, replay_scene};

@@ -1,6 +1,7 @@
 //! Policies: who performs the next operation. One file each.
 
 mod any;
+mod named;
 mod order;
 mod pct;
 mod random;
@@ -11,6 +12,7 @@ mod warp;
 use crate::error::Result;
 
 pub(super) use any::Any;
+pub use named::Policy;
 
 /// Decides the schedule. Slots are told as they fill and empty; `next` is asked only while one is filled.
 pub trait Scheduler {
@@ -53,25 +55,6 @@ pub trait Scheduler {
     fn finish(&mut self) -> Result<()> {
         Ok(())
     }
-}
-
-/// Who goes next on the simulated device.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Policy {
-    /// The oldest invocation runs to its end: submission order.
-    Order,
-    /// The youngest resident invocation goes first.
-    Reverse,
-    /// Each in turn, one operation each.
-    RoundRobin,
-    /// A uniformly random resident invocation.
-    Random,
-    /// Warps of N consecutive invocations in lockstep, in turn.
-    Warp(u32),
-    /// Priorities, and D - 1 random moments at which the highest one falls: D at least 1.
-    Pct(u32),
-    /// A schedule recorded before.
-    Recorded(Vec<u8>),
 }
 
 /// How the simulated device is set up.

@@ -9,38 +9,43 @@ use crate::report::text::{Align, columns, percent, thousands};
 
 /// One method beside its reference.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct Compared {
-    pub(super) method: String,
-    pub(super) scene: String,
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) exec: String,
+pub(in crate::cli) struct Compared {
+    pub(in crate::cli) method: String,
+    pub(in crate::cli) scene: String,
+    pub(in crate::cli) width: u32,
+    pub(in crate::cli) height: u32,
+    pub(in crate::cli) exec: String,
     /// The reference method.
-    pub(super) reference: String,
+    pub(in crate::cli) reference: String,
     /// Fragments per pixel kept by the reference that the lists must equal; `None` is all.
-    pub(super) reference_k: Option<u32>,
-    pub(super) generated: u64,
-    pub(super) kept: u64,
+    pub(in crate::cli) reference_k: Option<u32>,
+    pub(in crate::cli) generated: u64,
+    pub(in crate::cli) kept: u64,
     /// Fragments that a race lost.
-    pub(super) lost: u64,
+    pub(in crate::cli) lost: u64,
     /// Fragments dropped for whatever reason, lost ones included.
-    pub(super) dropped: u64,
-    pub(super) lists_equal: bool,
+    pub(in crate::cli) dropped: u64,
+    pub(in crate::cli) lists_equal: bool,
     /// It need not keep all that the reference does, and says so: what is hidden, or there twice.
-    pub(super) may_look_different: bool,
+    pub(in crate::cli) may_look_different: bool,
     /// Against the reference with `reference_k`.
-    pub(super) from_reference: Difference,
+    pub(in crate::cli) from_reference: Difference,
     /// Against the reference with all fragments.
-    pub(super) from_all: Difference,
-    pub(super) image_hash: String,
-    pub(super) fragments_hash: Option<String>,
-    pub(super) warnings: Vec<String>,
-    pub(super) violations: Vec<String>,
+    pub(in crate::cli) from_all: Difference,
+    pub(in crate::cli) image_hash: String,
+    pub(in crate::cli) fragments_hash: Option<String>,
+    pub(in crate::cli) warnings: Vec<String>,
+    pub(in crate::cli) violations: Vec<String>,
 }
 
 impl Compared {
     /// The row of a frame, differences still to be filled in.
-    pub(super) fn new(method: &str, reference: &str, k: Option<u32>, drawn: &Rendering) -> Self {
+    pub(in crate::cli) fn new(
+        method: &str,
+        reference: &str,
+        k: Option<u32>,
+        drawn: &Rendering,
+    ) -> Self {
         let report = &drawn.report;
         Self {
             method: method.to_owned(),
@@ -63,7 +68,7 @@ impl Compared {
     }
 
     /// Nothing differs from the reference, and nothing happened that must not.
-    pub(super) fn agrees(&self) -> bool {
+    pub(in crate::cli) fn agrees(&self) -> bool {
         let same = self.from_reference.differing == 0 || self.may_look_different;
         self.lists_equal && same && self.violations.is_empty()
     }
@@ -75,7 +80,7 @@ impl Compared {
     }
 
     /// The texts of this row's sheet.
-    pub(super) fn labels(&self, scene: &str) -> Labels {
+    pub(in crate::cli) fn labels(&self, scene: &str) -> Labels {
         let size = format!("{}\u{d7}{}", self.width, self.height);
         let kept = self.reference_k.map_or_else(|| "all kept".to_owned(), |k| format!("k = {k}"));
         let differing = self.from_all.differing;
@@ -116,7 +121,7 @@ impl Compared {
 }
 
 /// The rows under a heading, with what they have in common above.
-pub(super) fn table(rows: &[Compared]) -> String {
+pub(in crate::cli) fn table(rows: &[Compared]) -> String {
     let Some(first) = rows.first() else { return "no methods to compare\n".to_owned() };
     let heading = [
         "method",

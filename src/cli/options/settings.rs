@@ -13,20 +13,20 @@ const RESIDENT: usize = 4_096;
 
 /// A run, ready but for the scene.
 #[derive(Clone, Debug)]
-pub(super) struct Settings {
+pub(in crate::cli) struct Settings {
     /// What the command line changes in the scene.
-    pub(super) overrides: Overrides,
+    pub(in crate::cli) overrides: Overrides,
     /// What it is drawn with.
-    pub(super) options: Options,
+    pub(in crate::cli) options: Options,
     /// Options that were given and have no effect.
-    pub(super) warnings: Vec<String>,
+    pub(in crate::cli) warnings: Vec<String>,
 }
 
 /// Check and complete what was typed, for a method of the catalogue. `record`: the schedule is wanted.
 ///
 /// # Errors
 /// The option that is wrong, and what would be right.
-pub(super) fn resolve(typed: &Drawing, method: Method, record: bool) -> Result<Settings> {
+pub(in crate::cli) fn resolve(typed: &Drawing, method: Method, record: bool) -> Result<Settings> {
     if typed.k == Some(0) {
         return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
     }
@@ -95,7 +95,7 @@ fn sim(typed: &Drawing, record: bool) -> Result<Sim> {
     if resident == 0 {
         return Err(Error::new("--resident", "0 invocations in flight: must be at least 1"));
     }
-    let policy = typed.schedule.as_deref().map_or(Ok(Policy::Random), values::schedule)?;
+    let policy = typed.schedule.as_deref().map_or(Ok(Policy::Random), Policy::parse)?;
     let (seed, check) = (typed.seed.unwrap_or(0), typed.check_steps);
     Ok(Sim { policy, seed, resident, record, watch: None, check })
 }

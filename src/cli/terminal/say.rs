@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 ///
 /// # Errors
 /// stdout cannot be written, for another reason than that nobody reads it.
-pub(super) fn result(text: &str) -> Result<()> {
+pub(in crate::cli) fn result(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -19,17 +19,17 @@ pub(super) fn result(text: &str) -> Result<()> {
 }
 
 /// `error: place: problem`.
-pub(super) fn error(message: &str) {
+pub(in crate::cli) fn error(message: &str) {
     line("error", message);
 }
 
 /// Something tolerated.
-pub(super) fn warning(message: &str) {
+pub(in crate::cli) fn warning(message: &str) {
     line("warning", message);
 }
 
 /// Something that must not happen and did.
-pub(super) fn violation(message: &str) {
+pub(in crate::cli) fn violation(message: &str) {
     line("violation", message);
 }
 

@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Do `work`; if it takes over a second, show a spinner with `message` on stderr, unless `quiet` or no terminal.
-pub(super) fn during<T>(quiet: bool, message: &str, work: impl FnOnce() -> T) -> T {
+pub(in crate::cli) fn during<T>(quiet: bool, message: &str, work: impl FnOnce() -> T) -> T {
     if quiet || !stderr().is_terminal() {
         return work();
     }

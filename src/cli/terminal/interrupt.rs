@@ -3,14 +3,14 @@
 use crossbeam_channel::{Receiver, bounded};
 
 /// Ctrl-C, and whether it was pressed.
-pub(super) struct Interrupt(Receiver<()>);
+pub(in crate::cli) struct Interrupt(Receiver<()>);
 
 /// The usual exit code of a program that Ctrl-C ended.
 const INTERRUPTED: i32 = 130;
 
 impl Interrupt {
     /// From now on.
-    pub(super) fn watch() -> Self {
+    pub(in crate::cli) fn watch() -> Self {
         let (pressed, seen) = bounded(1);
         let handler = move || {
             if pressed.try_send(()).is_err() {
@@ -23,7 +23,7 @@ impl Interrupt {
     }
 
     /// Whether it was pressed.
-    pub(super) fn pressed(&self) -> bool {
+    pub(in crate::cli) fn pressed(&self) -> bool {
         !self.0.is_empty()
     }
 }

@@ -4,125 +4,125 @@ use clap::{Args, ValueEnum};
 
 /// Options of every command that draws.
 #[derive(Clone, Debug, Args)]
-pub(super) struct Drawing {
+pub(in crate::cli) struct Drawing {
     /// Fragments kept per pixel, at least 1 [default: the method's own; 8 for k-buffers, all for exact and A-buffers]
     #[arg(short, value_name = "N", allow_negative_numbers = true)]
-    pub(super) k: Option<u32>,
+    pub(in crate::cli) k: Option<u32>,
 
     /// Image size in pixels, each edge 1 to 16384 [default: the scene's, else 1024x1024]
     #[arg(long, value_name = "WxH")]
-    pub(super) size: Option<String>,
+    pub(in crate::cli) size: Option<String>,
 
     /// Opacity of every material, 0 to 1 [default: the scene's, else 0.5]
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
-    pub(super) alpha: Option<f32>,
+    pub(in crate::cli) alpha: Option<f32>,
 
     /// Shading of every material [default: the scene's, else lambert]
     #[arg(long, value_enum, value_name = "SHADING")]
-    pub(super) shading: Option<Shading>,
+    pub(in crate::cli) shading: Option<Shading>,
 
     /// Who runs the invocations: parallel tiles, contending threads, or a simulated device
     #[arg(long, value_enum, value_name = "EXECUTOR", default_value = "tile")]
-    pub(super) exec: Exec,
+    pub(in crate::cli) exec: Exec,
 
     /// Worker threads; 0 is one per core
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
-    pub(super) threads: usize,
+    pub(in crate::cli) threads: usize,
 
     /// Seed of `--schedule random` and `pct:D`, 64 bits [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) seed: Option<u64>,
+    pub(in crate::cli) seed: Option<u64>,
 
     /// With `--exec sim`, who goes next: order, reverse, round-robin, random, pct:D (D - 1 random changes of
     /// priority), warp:N (lanes) or recorded:FILE (as `render --record` wrote it) [default: random]
     #[arg(long, value_name = "POLICY")]
-    pub(super) schedule: Option<String>,
+    pub(in crate::cli) schedule: Option<String>,
 
     /// With `--exec sim`, invocations in flight, at least 1 [default: 4096]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) resident: Option<usize>,
+    pub(in crate::cli) resident: Option<usize>,
 
     /// Sub-pixel bits that vertices are snapped to, 8 or 4
     #[arg(long, value_name = "BITS", default_value_t = 8, allow_negative_numbers = true)]
-    pub(super) sub_pixel_bits: u32,
+    pub(in crate::cli) sub_pixel_bits: u32,
 
     /// Tile edge in pixels, 16, 32 or 64
     #[arg(long, value_name = "PIXELS", default_value_t = 64, allow_negative_numbers = true)]
-    pub(super) tile: u32,
+    pub(in crate::cli) tile: u32,
 
     /// What is stored for a depth [default: the method's own; d32 unless its paper fixes another]
     #[arg(long, value_enum, value_name = "FORMAT")]
-    pub(super) depth_format: Option<DepthFormat>,
+    pub(in crate::cli) depth_format: Option<DepthFormat>,
 
     /// The 32-bit word stored with a depth: RGBA8, the global triangle index, or none, 0 [default: color; primitive where
     /// the effect must know a fragment's object; the method's own, where it has room for no other]
     #[arg(long, value_enum, value_name = "WORD")]
-    pub(super) data: Option<Data>,
+    pub(in crate::cli) data: Option<Data>,
 
     /// Which faces are left out; front is counter-clockwise
     #[arg(long, value_enum, value_name = "FACES", default_value = "none")]
-    pub(super) cull_face: CullFace,
+    pub(in crate::cli) cull_face: CullFace,
 
     /// Let the method's storage take at most so many bytes (K, M, G and T as below): the largest k that fits, from the
     /// depth-complexity histogram; or the largest pool, where storage does not depend on k [default: no budget]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
-    pub(super) memory_budget: Option<String>,
+    pub(in crate::cli) memory_budget: Option<String>,
 
     /// Size of a hash table: the share of its cells that fragments shall fill, 1 to 100 per cent. It is never smaller than
     /// the image on either axis [default: 50]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
-    pub(super) load: Option<u32>,
+    pub(in crate::cli) load: Option<u32>,
 
     /// Size of a hash table in cells, instead; at least the image's size on each axis [default: as --load asks
     /// for]
     #[arg(long, value_name = "WxH")]
-    pub(super) table: Option<String>,
+    pub(in crate::cli) table: Option<String>,
 
     /// Which cells a hash table's ages lead to: independent random offsets, or each the farthest from all before
     #[arg(long, value_enum, value_name = "OFFSETS", default_value = "random")]
-    pub(super) offsets: Offsets,
+    pub(in crate::cli) offsets: Offsets,
 
     /// Seed of the offsets, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
-    pub(super) offset_seed: u64,
+    pub(in crate::cli) offset_seed: u64,
 
     /// Largest age of a record in a hash table, 1 to 255
     #[arg(long, value_name = "N", default_value_t = 255, allow_negative_numbers = true)]
-    pub(super) age_limit: u32,
+    pub(in crate::cli) age_limit: u32,
 
     /// Early culling: opacity above which nothing behind is stored, 0 to 1
     #[arg(long, value_name = "OPACITY", default_value_t = 0.99, allow_negative_numbers = true)]
-    pub(super) cull_threshold: f64,
+    pub(in crate::cli) cull_threshold: f64,
 
     /// With `--exec sim`, look at memory after every step of the store pass: words that only grow, and what the method
     /// says must always be true
     #[arg(long)]
-    pub(super) check_steps: bool,
+    pub(in crate::cli) check_steps: bool,
 
     /// How a pixel's fragments are sorted; published is insertion sort up to 16 and shell sort above
     #[arg(long, value_enum, value_name = "SORT", default_value = "fastest")]
-    pub(super) sort: Sort,
+    pub(in crate::cli) sort: Sort,
 
     /// Refuse a run that needs more memory, in bytes; K, M, G and T are powers of 1024
     #[arg(long, value_name = "BYTES", default_value = "8G", allow_negative_numbers = true)]
-    pub(super) max_memory: String,
+    pub(in crate::cli) max_memory: String,
 }
 
 /// Options of every command that prints.
 #[derive(Clone, Debug, Args)]
-pub(super) struct Output {
+pub(in crate::cli) struct Output {
     /// Print one JSON document instead of the table
     #[arg(long)]
-    pub(super) json: bool,
+    pub(in crate::cli) json: bool,
 
     /// Show no progress
     #[arg(short, long)]
-    pub(super) quiet: bool,
+    pub(in crate::cli) quiet: bool,
 }
 
 /// `--exec`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Exec {
+pub(in crate::cli) enum Exec {
     Tile,
     Threads,
     Sim,
@@ -130,7 +130,7 @@ pub(super) enum Exec {
 
 /// `--shading`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Shading {
+pub(in crate::cli) enum Shading {
     Flat,
     Lambert,
     Gooch,
@@ -138,7 +138,7 @@ pub(super) enum Shading {
 
 /// `--depth-format`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum DepthFormat {
+pub(in crate::cli) enum DepthFormat {
     D32,
     D24,
     F32,
@@ -146,7 +146,7 @@ pub(super) enum DepthFormat {
 
 /// `--data`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Data {
+pub(in crate::cli) enum Data {
     Color,
     Primitive,
     None,
@@ -154,21 +154,21 @@ pub(super) enum Data {
 
 /// `--offsets`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Offsets {
+pub(in crate::cli) enum Offsets {
     Random,
     FarthestPoint,
 }
 
 /// `--sort`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Sort {
+pub(in crate::cli) enum Sort {
     Fastest,
     Published,
 }
 
 /// `--cull-face`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum CullFace {
+pub(in crate::cli) enum CullFace {
     None,
     Front,
     Back,

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::flags::Output;
-use super::{Verdict, say, wait};
+use crate::cli::Verdict;
+use crate::cli::options::flags::Output;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::report::text::{Align, columns};
 use crate::report::{files, json};
@@ -11,7 +12,7 @@ use crate::reproduce::{EXPERIMENTS, Experiment, Outcome, Scale, experiment};
 use crate::scene::MAX_SIZE;
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Experiments: ha-table1, ha-fig5, ha-fig8 [default: all]
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
@@ -36,7 +37,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// An unknown experiment, a scale out of range, or a file that cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     let chosen: Vec<&Experiment> = if args.experiments.is_empty() {
         EXPERIMENTS.iter().collect()
     } else {

@@ -11,10 +11,11 @@ use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use self::row::Compared;
-use super::flags::{Drawing, Output};
-use super::settings::resolve;
-use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::options::flags::{Drawing, Output};
+use crate::cli::options::settings::resolve;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::image::{difference, png, sheet};
@@ -25,7 +26,7 @@ use crate::scene::{self, Scene};
 use crate::scheme::{Form, Keeps};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
     #[arg(value_name = "SCENE")]
     scene: String,
@@ -54,7 +55,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let methods = methods(catalogue, args)?;
     let reference = catalogue.find("--reference", &args.reference)?;
     let mut settings = resolve(&args.drawing, reference, false)?;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::settings::Settings;
-use super::{Verdict, say, wait};
+use crate::cli::Verdict;
+use crate::cli::options::settings::Settings;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::image::png;
 use crate::render::{AnimatedFrame, Animation, Report, Resize, animate};
@@ -16,21 +17,21 @@ use crate::scene::Scene;
 
 /// Options about several frames.
 #[derive(Clone, Debug, Args)]
-pub(super) struct Frames {
+pub(in crate::cli) struct Frames {
     /// Draw N frames, 1 to 100000, of a camera that goes once around its target; pictures are FILE-0000.png and so on
     /// [default: one frame, from where the camera is]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) frames: Option<u32>,
+    pub(in crate::cli) frames: Option<u32>,
 
     /// With `--frames`, when a hash table that is too full or too empty gets another size: at the beginning of the next
     /// frame, as published; or besides, at once, by drawing a frame again that lost fragments [default: latent]
     #[arg(long, value_enum, value_name = "WHEN")]
-    pub(super) resize: Option<When>,
+    pub(in crate::cli) resize: Option<When>,
 }
 
 /// `--resize`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum When {
+pub(in crate::cli) enum When {
     Latent,
     AtOnce,
 }
@@ -49,7 +50,7 @@ impl Frames {
     ///
     /// # Errors
     /// An option that needs another.
-    pub(super) fn resolve(&self, single: &[&str]) -> Result<Option<Animation>> {
+    pub(in crate::cli) fn resolve(&self, single: &[&str]) -> Result<Option<Animation>> {
         let resize = match self.resize {
             None | Some(When::Latent) => Resize::Latent,
             Some(When::AtOnce) => Resize::AtOnce,
@@ -69,7 +70,7 @@ impl Frames {
 ///
 /// # Errors
 /// As a single frame; pictures of earlier frames remain.
-pub(super) fn run(
+pub(in crate::cli) fn run(
     scene: &Scene,
     settings: &Settings,
     animation: &Animation,

@@ -1,7 +1,8 @@
 //! `fragloom methods`: the catalogue, from the contracts.
 
-use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::terminal::{say, wait};
 use crate::error::Result;
 use crate::explore::sample::stability::{self, Stability};
 use crate::report::json;
@@ -10,7 +11,7 @@ use crate::scheme::contract::Program;
 use crate::scheme::{Contract, Form};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Print the whole contracts of all methods as one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -26,7 +27,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     if args.stability {
         return stability(catalogue, args);
     }

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::effects::Effects;
-use super::flags::{Drawing, Output};
 use super::frames::{self, Frames};
-use super::settings::{Settings, resolve};
-use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::options::effects::Effects;
+use crate::cli::options::flags::{Drawing, Output};
+use crate::cli::options::settings::{Settings, resolve};
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::image::png;
 use crate::render::{Rendering, render};
@@ -15,7 +16,7 @@ use crate::report::{files, json, npz, table};
 use crate::scene;
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
     #[arg(value_name = "SCENE")]
     scene: String,
@@ -57,7 +58,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let method = catalogue.find("-m", &args.method)?;
     let mut settings = resolve(&args.drawing, method, args.record.is_some())?;
     args.effects.resolve(args.drawing.data, &mut settings.options)?;

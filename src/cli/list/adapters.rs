@@ -1,6 +1,7 @@
 //! `fragloom adapters`: which devices there are.
 
-use super::{Verdict, say};
+use crate::cli::Verdict;
+use crate::cli::terminal::say;
 use crate::error::Result;
 use crate::gpu::check::open;
 use crate::gpu::driver::device::{self, Device};
@@ -10,7 +11,7 @@ use crate::report::json;
 use crate::report::text::{Align, columns};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -32,7 +33,7 @@ struct Traits {
 ///
 /// # Errors
 /// There is none.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     let found = device::adapters();
     if found.is_empty() {
         return Err(open::none(None));

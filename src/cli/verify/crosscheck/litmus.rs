@@ -1,7 +1,8 @@
 //! `fragloom crosscheck --litmus`: litmus pixels on devices, one invocation at a time, and then many copies at once.
 
 use super::{Args, devices, status};
-use crate::cli::{Verdict, say, wait};
+use crate::cli::Verdict;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::gpu::check::conform::{self, Conformance};
 use crate::gpu::check::crosscheck::Options;
@@ -22,7 +23,7 @@ struct Litmus {
 ///
 /// # Errors
 /// `--repeats 0`, or there is no adapter.
-pub(super) fn run(args: &Args, options: &Options) -> Result<Verdict> {
+pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     if args.repeats == 0 {
         return Err(Error::new("--repeats", "is 0, but must be at least 1"));
     }

@@ -4,8 +4,9 @@ mod litmus;
 
 use std::collections::BTreeMap;
 
-use super::{Verdict, say, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::gpu::check::compare::Differences;
 use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
@@ -35,7 +36,7 @@ const SCENES: [&str; 9] = [
 const QUICK: [u32; 2] = [157, 101];
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Meshes, scene files or built-in scenes [default: nine of the built-in ones]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
@@ -88,7 +89,7 @@ pub(super) struct Args {
     quick: bool,
 
     #[command(flatten)]
-    output: super::flags::Output,
+    output: crate::cli::options::flags::Output,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -107,7 +108,7 @@ enum FragmentOrder {
 ///
 /// # Errors
 /// Wrong options or scenes, or there is no adapter.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let options = options(catalogue, args)?;
     if args.litmus {
         return litmus::run(args, &options);
@@ -164,11 +165,11 @@ fn sizes(args: &Args) -> Result<Vec<Option<[u32; 2]>>> {
     if args.sizes.is_empty() {
         return Ok(vec![None]);
     }
-    args.sizes.iter().map(|text| super::values::size(text).map(Some)).collect()
+    args.sizes.iter().map(|text| crate::cli::options::values::size(text).map(Some)).collect()
 }
 
 /// The devices that take part; who cannot is named in a warning.
-pub(super) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>> {
+pub(in crate::cli) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>> {
     let found = open::devices(wanted)?;
     found.refused.iter().for_each(|refused| say::warning(&format!("left out: {refused}")));
     Ok(found.opened)

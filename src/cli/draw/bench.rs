@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::flags::Output;
-use super::{Verdict, say, values, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::options::flags::Output;
+use crate::cli::options::values;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::render::{Data, Exec, Options, render};
@@ -19,7 +21,7 @@ const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottl
 const QUICK: [u32; 2] = [256, 256];
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Meshes, scene files or built-in scenes [default: three of the built-in ones]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
@@ -96,7 +98,7 @@ struct Timing {
 ///
 /// # Errors
 /// Wrong options or scenes, or no device where one was asked for.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     if !(1..=1_000).contains(&args.repeats) {
         let problem = format!("is {}, but must be 1 to 1000", args.repeats);
         return Err(Error::new("--repeats", problem));
@@ -116,8 +118,11 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
         named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
     let mut rows = Vec::new();
     #[cfg(feature = "gpu")]
-    let devices =
-        if args.gpu { super::crosscheck::devices(args.adapter.as_deref())? } else { Vec::new() };
+    let devices = if args.gpu {
+        crate::cli::verify::crosscheck::devices(args.adapter.as_deref())?
+    } else {
+        Vec::new()
+    };
     for scene in &scenes {
         for &method in &methods {
             let message = format!("timing {method} on {}", scene.name);
@@ -257,7 +262,7 @@ mod devices {
     use crate::gpu::driver::failure::Failure;
     use crate::gpu::twin::band::Picture;
 
-    pub(super) fn rows(
+    pub(in crate::cli) fn rows(
         args: &Args,
         scene: &Scene,
         method: Method,

@@ -2,10 +2,12 @@
 
 use std::fs;
 
-use super::flags::Output;
-use super::interrupt::Interrupt;
-use super::{Verdict, say, values, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::options::flags::Output;
+use crate::cli::options::values;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::explore::verdict::claims::claim_by_id;
 use crate::explore::verdict::expect::{self, Expectation};
@@ -14,12 +16,12 @@ use crate::explore::{
     Conditions, Executions, Finding, Limits, MemoryModel, Plan, Profile, Progress, Subject, Survey,
     check, cut, properties, sampled,
 };
-use crate::render::{Exec, Options, Sim};
+use crate::render::{Exec, Options, Policy, Sim};
 use crate::report::{json, verdicts};
 use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Methods of the catalogue (see `fragloom methods`); with --claim, instead of the claim's own
     #[arg(value_name = "METHOD")]
     methods: Vec<String>,
@@ -119,7 +121,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// Wrong options, an unknown method, claim or fault, or a scene that cannot be drawn.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let plan = plan(args)?;
     let expected = args.expect.as_deref().map(read_expectations).transpose()?;
     let interrupt = Interrupt::watch();
@@ -209,7 +211,7 @@ fn on_scene(
     scene: &Scene,
     limits: &Limits<'_>,
 ) -> Result<Vec<Finding>> {
-    let policy = values::schedule(&args.schedule)?;
+    let policy = Policy::parse(&args.schedule)?;
     let sim = Sim { policy, seed: args.seed, resident: args.resident, ..Sim::default() };
     let options =
         Options { method: subject.method, k: args.k, exec: Exec::Sim(sim), ..Options::default() };

@@ -1,13 +1,14 @@
 //! `fragloom mutations`: the faults that are built in, and the methods that have them.
 
-use super::{Verdict, say};
 use crate::catalogue::faults::{MUTATIONS, Mutation};
+use crate::cli::Verdict;
+use crate::cli::terminal::say;
 use crate::error::Result;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -17,7 +18,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     let text = if args.json { json::document(&MUTATIONS)? } else { table(MUTATIONS) };
     say::result(&text)?;
     Ok(Verdict::Clean)

@@ -2,14 +2,15 @@
 
 use serde::Serialize;
 
-use super::{Verdict, say};
+use crate::cli::Verdict;
+use crate::cli::terminal::say;
 use crate::error::Result;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{Builtin, builtin};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// Print one JSON document instead of the table
     #[arg(long)]
     json: bool,
@@ -33,7 +34,7 @@ struct KeyEntry {
 ///
 /// # Errors
 /// stdout cannot be written.
-pub(super) fn run(args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     let entries: Vec<Entry> = builtin().iter().map(entry).collect();
     let text = if args.json { json::document(&entries)? } else { table(&entries) };
     say::result(&text)?;

@@ -11,45 +11,45 @@ use crate::render::{self, Effect, Options, Shadows};
 
 /// Options about effects.
 #[derive(Clone, Debug, Args)]
-pub(super) struct Effects {
+pub(in crate::cli) struct Effects {
     /// What is made of the sorted lists: oit (surfaces over each other), media (absorption inside of closed objects, by
     /// thickness), csg=EXPRESSION over closed objects like csg='(a | b) - c' (~ - & ^ | from the tightest; names are
     /// those of the scene file, or a, b, c, ... in order), or ldi (layered depth image: what is solid, by parity)
     #[arg(long, value_name = "EFFECT", default_value = "oit")]
-    pub(super) effect: String,
+    pub(in crate::cli) effect: String,
 
     /// With `--effect media`, multiply absorption by N, 0 or more; with 1, colour and opacity say what one world unit of
     /// a material does to light [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) density: Option<f64>,
+    pub(in crate::cli) density: Option<f64>,
 
     /// With `--effect csg`, write the surfaces of the combination, front to back, as NumPy arrays like those of
     /// `--fragments` [default: not written]
     #[arg(long, value_name = "FILE.npz")]
-    pub(super) surfaces: Option<PathBuf>,
+    pub(in crate::cli) surfaces: Option<PathBuf>,
 
     /// With `--effect ldi`, write offsets and depths of every pixel, and the voxels, as NumPy arrays
     /// [default: not written]
     #[arg(long, value_name = "FILE.npz")]
-    pub(super) ldi: Option<PathBuf>,
+    pub(in crate::cli) ldi: Option<PathBuf>,
 
     /// With `--effect ldi`, cut the image into N slices of voxels, from the near to the far plane, 1 to 16384
     /// [default: none]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) voxels: Option<u32>,
+    pub(in crate::cli) voxels: Option<u32>,
 
     /// Draw a second frame with the same method from the light, whose lists throw translucent, coloured shadows
     #[arg(long)]
-    pub(super) shadows: bool,
+    pub(in crate::cli) shadows: bool,
 
     /// With `--shadows`, the edge of the frame from the light in pixels, 1 to 16384 [default: the image's longer edge]
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true)]
-    pub(super) shadow_size: Option<u32>,
+    pub(in crate::cli) shadow_size: Option<u32>,
 
     /// With `--shadows`, how much nearer to the light a surface must be to throw a shadow, in world units, 0 or more
     /// [default: twice the width of a pixel of the frame from the light]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub(super) shadow_bias: Option<f64>,
+    pub(in crate::cli) shadow_bias: Option<f64>,
 }
 
 impl Effects {
@@ -57,7 +57,7 @@ impl Effects {
     ///
     /// # Errors
     /// An effect of another form, or an option that goes with another effect.
-    pub(super) fn resolve(&self, data: Option<Data>, options: &mut Options) -> Result<()> {
+    pub(in crate::cli) fn resolve(&self, data: Option<Data>, options: &mut Options) -> Result<()> {
         options.effect = self.effect()?;
         let goes_with = [
             ("--density", self.density.is_some(), "media"),

@@ -2,23 +2,23 @@
 
 use std::path::PathBuf;
 
-use super::flags::Output;
-use super::interrupt::Interrupt;
-use super::{Verdict, say, values, wait};
 use crate::catalogue::Catalogue;
+use crate::cli::Verdict;
+use crate::cli::options::flags::Output;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::explore::replay::token::{LitmusToken, SceneToken};
 use crate::explore::replay::{Replay, replay};
 use crate::explore::sample::minimise::{minimise_litmus, minimise_scene};
+use crate::explore::sample::{SceneReplay, replay_scene};
 use crate::explore::{Limits, Token};
 use crate::image::png;
-use crate::render::{Exec, Options, Rendering, Sim, render};
 use crate::report::text::{Align, columns};
 use crate::report::{files, json, table};
-use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// What `fragloom check` printed: a value that begins with fl2-
     #[arg(value_name = "TOKEN")]
     token: String,
@@ -43,7 +43,7 @@ pub(super) struct Args {
 ///
 /// # Errors
 /// A token that is damaged, of another version, or of something that has changed since.
-pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let token: Token = args.token.parse()?;
     let interrupt = Interrupt::watch();
     let cancelled = || interrupt.pressed();
@@ -146,26 +146,20 @@ fn scene(
     token: &SceneToken,
     limits: &Limits<'_>,
 ) -> Result<Verdict> {
-    let overrides = Overrides { size: Some(token.size), ..Overrides::default() };
     let quiet = args.output.quiet;
-    let scene = wait::during(quiet, "loading", || scene::load(&token.scene, &overrides))?;
-    let options = options(catalogue, token)?;
     if args.trace && !args.minimise {
         let problem = "is for pixels: --minimise cuts a scene's token down to one";
         return Err(Error::new("--trace", problem));
     }
-    let drawn = wait::during(quiet, "replaying", || render(&scene, &options))?;
-    if drawn.report.fragments_hash.as_deref().unwrap_or_default() != token.fragments_hash {
-        let problem = "the token's scene or method has changed since: it gives other fragments";
-        return Err(Error::new("TOKEN", problem));
-    }
+    let again = || replay_scene(catalogue, token);
+    let replayed = wait::during(quiet, "replaying", again)?;
     if let Some(folder) = &args.out {
-        let bytes = png::encode(&drawn.image)
+        let bytes = png::encode(&replayed.rendering.image)
             .map_err(|error| Error::new(folder.display().to_string(), error.to_string()))?;
         files::write_bytes(&folder.join("replay.png"), &bytes)?;
     }
     if args.minimise {
-        let cut = || minimise_scene(&scene, &options, limits);
+        let cut = || minimise_scene(&replayed.scene, &replayed.options, limits);
         let smaller = wait::during(quiet, "minimising", cut)?;
         return litmus(
             catalogue,
@@ -174,37 +168,19 @@ fn scene(
             limits,
         );
     }
-    report(args, &scene, &drawn)
+    report(args, &replayed)
 }
 
-fn report(args: &Args, scene: &Scene, drawn: &Rendering) -> Result<Verdict> {
+fn report(args: &Args, replayed: &SceneReplay) -> Result<Verdict> {
+    let report = &replayed.rendering.report;
     let text = if args.output.json {
-        json::document(&drawn.report)?
+        json::document(report)?
     } else {
-        format!(
-            "{} again, with the same fragments\n{}",
-            scene.name,
-            table::accounting(&drawn.report)
-        )
+        let name = &replayed.scene.name;
+        format!("{name} again, with the same fragments\n{}", table::accounting(report))
     };
     say::result(&text)?;
-    let lost = drawn.report.dropped.get("lost").is_some_and(|&n| n > 0);
-    let wrong = lost || drawn.report.duplicated + drawn.report.torn > 0;
-    Ok(if wrong || !drawn.report.violations.is_empty() { Verdict::Found } else { Verdict::Clean })
-}
-
-fn options(catalogue: &Catalogue, token: &SceneToken) -> Result<Options> {
-    let policy = values::schedule(&token.schedule)?;
-    let resident = usize::try_from(token.resident).unwrap_or(usize::MAX);
-    let sim = Sim { policy, seed: token.seed, resident, ..Sim::default() };
-    let options = Options {
-        method: catalogue.find("TOKEN", &token.method)?,
-        k: token.k,
-        exec: Exec::Sim(sim),
-        ..Options::default()
-    };
-    options.check()?;
-    Ok(options)
+    Ok(if replayed.is_wrong() { Verdict::Found } else { Verdict::Clean })
 }
 
 impl Args {

@@ -1,0 +1,6 @@
+//! Commands that draw.
+
+pub(super) mod bench;
+pub(super) mod compare;
+mod frames;
+pub(super) mod render;

@@ -1,0 +1,6 @@
+//! What was typed, checked and completed.
+
+pub(super) mod effects;
+pub(super) mod flags;
+pub(super) mod settings;
+pub(super) mod values;

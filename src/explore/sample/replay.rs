@@ -1,0 +1,72 @@
+//! A scene's token, run again.
+
+use crate::catalogue::Catalogue;
+use crate::error::{Error, Result};
+use crate::exec::sim::policy::Policy;
+use crate::explore::replay::token::SceneToken;
+use crate::render::{Exec, Options, Rendering, Sim, render};
+use crate::scene::{self, Overrides, Scene};
+
+/// What a scene's token leads to.
+#[derive(Clone, Debug)]
+pub struct SceneReplay {
+    /// The scene that it names.
+    pub scene: Scene,
+    /// How it was drawn.
+    pub options: Options,
+    /// The picture and its accounting, again.
+    pub rendering: Rendering,
+}
+
+impl SceneToken {
+    /// The scene that the token names, at its size.
+    ///
+    /// # Errors
+    /// There is none, or it is wrong.
+    pub fn scene(&self) -> Result<Scene> {
+        scene::load(&self.scene, &Overrides { size: Some(self.size), ..Overrides::default() })
+    }
+
+    /// How the token draws it.
+    ///
+    /// # Errors
+    /// The catalogue has no such method, or the token's values fit none.
+    pub fn options(&self, catalogue: &Catalogue) -> Result<Options> {
+        let policy = Policy::parse(&self.schedule)?;
+        let resident = usize::try_from(self.resident).unwrap_or(usize::MAX);
+        let sim = Sim { policy, seed: self.seed, resident, ..Sim::default() };
+        let options = Options {
+            method: catalogue.find("TOKEN", &self.method)?,
+            k: self.k,
+            exec: Exec::Sim(sim),
+            ..Options::default()
+        };
+        options.check()?;
+        Ok(options)
+    }
+}
+
+/// Draw what a scene's token names, in its interleaving.
+///
+/// # Errors
+/// The scene or the method is not there, or has changed since: other fragments are kept.
+pub fn replay_scene(catalogue: &Catalogue, token: &SceneToken) -> Result<SceneReplay> {
+    let scene = token.scene()?;
+    let options = token.options(catalogue)?;
+    let rendering = render(&scene, &options)?;
+    if rendering.report.fragments_hash.as_deref().unwrap_or_default() != token.fragments_hash {
+        let problem = "the token's scene or method has changed since: it gives other fragments";
+        return Err(Error::new("TOKEN", problem));
+    }
+    Ok(SceneReplay { scene, options, rendering })
+}
+
+impl SceneReplay {
+    /// Whether it shows that a fragment was lost, stored twice or torn, or that another promise was broken.
+    #[must_use]
+    pub fn is_wrong(&self) -> bool {
+        let report = &self.rendering.report;
+        let lost = report.dropped.get("lost").is_some_and(|&n| n > 0);
+        lost || report.duplicated + report.torn > 0 || !report.violations.is_empty()
+    }
+}
