@@ -16,7 +16,7 @@ use fragloom::memory::exclusive::Exclusive;
 use fragloom::memory::native::Native;
 use fragloom::memory::{Inputs, Layout};
 use fragloom::num::random::Random;
-use fragloom::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray};
+use fragloom::scheme::kplus_buffer::kplus_array::KPlusArray;
 use fragloom::scheme::{Config, Outcome, Scheme};
 use support::paired;
 
@@ -67,7 +67,7 @@ fn fragments() -> Vec<Fragment> {
     all
 }
 
-fn scheme() -> (KPlusArray<Correct>, Layout) {
+fn scheme() -> (KPlusArray, Layout) {
     let mut layout = Layout::default();
     let config = Config { k: Some(K as u32), pixels: PIXELS, ..Config::default() };
     (KPlusArray::new(&config, &mut layout), layout)

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use fragloom::explore::{Limits, Plan, Subject, Verdict, check};
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Update, Words};
-use fragloom::scheme::contract::Demand;
+use fragloom::scheme::contract::{Demand, Keeps, Overflow};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The end of a list.
@@ -26,18 +26,17 @@ pub(crate) struct CasList<const BROKEN: bool> {
 
 impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
     const CONTRACT: Contract = Contract {
-        name: if BROKEN { "cas-list@broken" } else { "cas-list" },
         title: "A-buffer in per-pixel lists, pushed by compare-exchange",
         paper: "Treiber 1986",
         words: "1",
         frame_words: "3F + 1",
         exact_when: "the pool holds F nodes",
-        overflow: "drop, counted",
+        overflow: Overflow::Drops("drop, counted"),
         needs: "32-bit atomic add and compare-exchange, relaxed",
         wgsl: Some("storage buffers; atomicAdd, atomicCompareExchangeWeak"),
         demand: Demand::Generated,
         source: include_str!("user_scheme.rs"),
-        ..Contract::BASE_ALL
+        ..Contract::new(if BROKEN { "cas-list@broken" } else { "cas-list" }, Keeps::All)
     };
 
     type Holds = Keys;

@@ -18,7 +18,7 @@ use fragloom::raster::Grid;
 use fragloom::render::{Data, Exec, Kept, Lists, Options, Policy, Report, reference};
 use fragloom::scene::Scene;
 use fragloom::scheme::Config;
-use fragloom::scheme::contract::{Contract, Demand, Form, Keeps};
+use fragloom::scheme::contract::{Contract, Demand, Dependence, Form, Keeps};
 use fragloom::scheme::hash_table::table::TableSettings;
 use support::{contract, draw, lists, method, options, policies, scene, sim, small_scenes};
 
@@ -95,7 +95,7 @@ fn order_independent_methods_give_the_exact_lists() {
 #[test]
 fn every_method_is_exact_one_invocation_after_another() {
     for scene in small_scenes() {
-        let exact = |c: &Contract| !c.arrival_dependent && c.keeps != Keeps::Some;
+        let exact = |c: &Contract| !c.is_arrival_dependent() && c.keeps != Keeps::Some;
         for (method, k) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
             let expected = promised(&scene, method, k);
             for exec in [Exec::Tile, sim(Policy::Order, 0), sim(Policy::Reverse, 0)] {
@@ -123,7 +123,7 @@ fn k_one_is_a_z_buffer_and_large_k_an_a_buffer() {
     for scene in small_scenes() {
         let nearest = lists(&scene, &options("z-buffer", None));
         let all = lists(&scene, &options("ab-ll", None));
-        let exact = |c: &Contract| c.keeps == Keeps::Nearest && !c.arrival_dependent;
+        let exact = |c: &Contract| c.keeps == Keeps::Nearest && !c.is_arrival_dependent();
         for (method, _) in cases().into_iter().filter(|(m, _)| exact(m.contract())) {
             assert_eq!(lists(&scene, &with(method, Some(1), Exec::Tile)), nearest, "{method}");
             assert_eq!(lists(&scene, &with(method, Some(64), Exec::Tile)), all, "{method}");
@@ -194,7 +194,7 @@ fn a_memory_budget_is_never_exceeded() {
                 assert_eq!(report.violations, Vec::<String>::new(), "{method}");
                 let budget = report.budget.expect("one was given");
                 assert_eq!(budget.histogram.iter().sum::<u64>(), 64 * 64);
-                let pooled = contract.demand == Demand::Generated && !contract.crosses;
+                let pooled = contract.demand == Demand::Generated && !contract.crosses();
                 if let Some(room) = budget.room.filter(|_| pooled) {
                     assert_eq!(report.kept, room.min(report.generated), "complete where is room");
                 }
@@ -385,7 +385,7 @@ fn overflow_drops_by_arrival_and_is_counted() {
 #[test]
 fn nothing_is_invented() {
     let scene = scene("cubes", [48, 40]);
-    for (method, k) in cases().into_iter().filter(|(m, _)| !m.contract().racy) {
+    for (method, k) in cases().into_iter().filter(|(m, _)| !m.contract().is_racy()) {
         let all = held_to(&scene, method, k).0;
         let lists = lists(&scene, &with(method, k, Exec::Threads));
         for y in 0..40 {
@@ -447,7 +447,9 @@ fn only_equal_depths_are_confused_where_contracts_say_so() {
     let ties = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/screen.toml");
     let (mut found, mut differ) = (0, 0);
     for scene in small_scenes().into_iter().chain([scene(ties, [120, 240])]) {
-        for (method, k) in cases().into_iter().filter(|(m, _)| m.contract().right_depths) {
+        for (method, k) in
+            cases().into_iter().filter(|(m, _)| m.contract().dependence == Dependence::Ties)
+        {
             let data = Data::Primitive;
             let held_to = Options { data, ..with(method, k, Exec::Tile) };
             let held_to = reference(&scene, &held_to).expect("a reference");

@@ -27,7 +27,8 @@ use fragloom::scheme::hash_table::table::{Offsets, TableSettings};
 use fragloom::scheme::k_buffer::kb_ll::{self, KNearestList};
 use fragloom::scheme::k_buffer::kb_mdt64::KbMdt64;
 use fragloom::scheme::k_buffer::z_buffer::{self, ZBuffer};
-use fragloom::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray, Variant, faults};
+use fragloom::scheme::kplus_buffer::kplus_array::KPlusArray;
+use fragloom::scheme::kplus_buffer::kplus_array::faults::{self, Faulty, Variant};
 use fragloom::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use fragloom::scheme::parts::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
@@ -208,7 +209,7 @@ fn a_relaxed_unlock_of_the_lock_is_caught() {
 
 #[test]
 fn the_max_array_keeps_the_nearest() {
-    type Array = KPlusArray<Correct>;
+    type Array = KPlusArray;
     holds("kplus-array k=1, 2x1", 20, insertion::<Array>(k(1), &[&[5], &[3]], 2));
     holds("kplus-array k=2, 2x1", 20, insertion::<Array>(k(2), &[&[5], &[3]], 2));
     holds("kplus-array k=1, 2x2", 300, insertion::<Array>(k(1), &[&[9, 3], &[5, 4]], 1));
@@ -222,7 +223,7 @@ fn the_max_array_keeps_the_nearest() {
 fn a_lock_without_order_is_caught() {
     fn caught<V: Variant + Send + 'static>() {
         let name = V::CONTRACT.name;
-        is_caught(name, insertion::<KPlusArray<V>>(k(2), &[&[5], &[3]], 2));
+        is_caught(name, insertion::<Faulty<V>>(k(2), &[&[5], &[3]], 2));
     }
     caught::<faults::PlainUnlock>();
     caught::<faults::RelaxedUnlock>();
@@ -235,17 +236,17 @@ fn a_lock_without_order_is_caught() {
 #[test]
 fn an_unordered_early_out_is_caught() {
     let groups: &[&[u32]] = &[&[5, 9], &[7]];
-    is_caught("kplus-array@M6", insertion::<KPlusArray<faults::RelaxedCounter>>(k(2), groups, 1));
-    let early = insertion::<KPlusArray<faults::EarlyCount>>(k(2), groups, 1);
+    is_caught("kplus-array@M6", insertion::<Faulty<faults::RelaxedCounter>>(k(2), groups, 1));
+    let early = insertion::<Faulty<faults::EarlyCount>>(k(2), groups, 1);
     is_caught("kplus-array@M6-early-count", early);
-    holds("kplus-array k=2, 2+1", 50, insertion::<KPlusArray<Correct>>(k(2), groups, 1));
+    holds("kplus-array k=2, 2+1", 50, insertion::<KPlusArray>(k(2), groups, 1));
 }
 
 /// Interleavings alone show these.
 #[test]
 fn faults_of_the_max_array_are_caught() {
     fn caught<V: Variant + Send + 'static>(k_: u32, groups: &'static [&'static [u32]]) {
-        is_caught(V::CONTRACT.name, insertion::<KPlusArray<V>>(k(k_), groups, 2));
+        is_caught(V::CONTRACT.name, insertion::<Faulty<V>>(k(k_), groups, 2));
     }
     caught::<faults::OneTest>(1, &[&[5], &[3]]);
     caught::<faults::SpinCap>(2, &[&[5], &[3]]);

@@ -5,6 +5,7 @@
 //! knowingly never shows are in the table too: a write enters its word's order when it is performed, so nothing is
 //! found whose program order, reads and write order form a cycle (LB, 2+2W, S).
 
+use fragloom::scheme::contract::{Dependence, Keeps};
 use std::collections::BTreeSet;
 
 use fragloom::explore::{
@@ -572,12 +573,10 @@ impl Threads {
 
 impl Scheme for Threads {
     const CONTRACT: Contract = Contract {
-        name: "threads",
         title: "Threads of a litmus program",
         exact_when: "",
-        arrival_dependent: true,
-        racy: true,
-        ..Contract::BASE_ALL
+        dependence: Dependence::ArrivalAndInterleaving,
+        ..Contract::new("threads", Keeps::All)
     };
 
     type Holds = Keys;

@@ -11,6 +11,7 @@ use fragloom::explore::{
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::num::depth::FARTHEST;
+use fragloom::scheme::contract::Keeps;
 
 use fragloom::scheme::parts::lock::{FREE, SpinLock};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
@@ -98,11 +99,10 @@ impl<const IDIOM: usize> Waits<IDIOM> {
 
 impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
     const CONTRACT: Contract = Contract {
-        name: NAMES[IDIOM],
         title: "An idiom that waits",
         words: "3 + 2F",
         exact_when: "",
-        ..Contract::BASE_ALL
+        ..Contract::new(NAMES[IDIOM], Keeps::All)
     };
 
     type Holds = Keys;

@@ -21,7 +21,7 @@ use crate::scheme::k_buffer::kb_ps::{self, KbPixelSync};
 use crate::scheme::k_buffer::kb_sr::KbStencilRouted;
 use crate::scheme::k_buffer::z_buffer::{self, ZBuffer};
 use crate::scheme::kplus_buffer::kplus::KPlus;
-use crate::scheme::kplus_buffer::kplus_array::{Correct, KPlusArray, faults};
+use crate::scheme::kplus_buffer::kplus_array::{KPlusArray, faults};
 use crate::scheme::kplus_buffer::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
 use crate::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
@@ -32,8 +32,8 @@ use crate::scheme::peeling::depth_peel_dual::{self, DualPeel};
 
 macro_rules! catalogue {
     (methods { $($scheme:ty,)* } faults { $($fault:ty,)* }) => {
-        /// All of them: the oracle first, then what promises something, compiled for every executor; then built-in
-        /// faults, compiled once.
+        /// All of them: first the oracle; then the methods that promise something, compiled for every executor; then
+        /// the built-in faults, compiled once.
         pub(super) const METHODS: &[Method] = &[
             Method::EXACT,
             $(Method::of::<$scheme>(),)*
@@ -62,7 +62,7 @@ catalogue! {
         AbBucketList,
         AbDoubleList,
         KNearestList,
-        KPlusArray<Correct>,
+        KPlusArray,
         KPlusArrayPublished,
         KPlusHeap,
         KPlusHeap<kplus_heap::Published>,
@@ -102,21 +102,21 @@ catalogue! {
         AbDoubleList<ab_ll_double::RelaxedPublication>,
         KNearestList<kb_ll::PublishedFirst>,
         KNearestList<kb_ll::RelaxedPublication>,
-        KPlusArray<faults::PlainUnlock>,
-        KPlusArray<faults::RelaxedUnlock>,
-        KPlusArray<faults::RelaxedExchange>,
-        KPlusArray<faults::RelaxedLock>,
-        KPlusArray<faults::SpinCap>,
-        KPlusArray<faults::TimeOut>,
-        KPlusArray<faults::ClearsOutside>,
-        KPlusArray<faults::RelaxedCounter>,
-        KPlusArray<faults::EarlyCount>,
-        KPlusArray<faults::EqualDepthStops>,
-        KPlusArray<faults::NoBarrierBeforeStore>,
-        KPlusArray<faults::NoBarrierBeforeResolve>,
-        KPlusArray<faults::SpinsFirst>,
-        KPlusArray<faults::OneTest>,
-        KPlusArray<faults::RootFirst>,
+        faults::Faulty<faults::PlainUnlock>,
+        faults::Faulty<faults::RelaxedUnlock>,
+        faults::Faulty<faults::RelaxedExchange>,
+        faults::Faulty<faults::RelaxedLock>,
+        faults::Faulty<faults::SpinCap>,
+        faults::Faulty<faults::TimeOut>,
+        faults::Faulty<faults::ClearsOutside>,
+        faults::Faulty<faults::RelaxedCounter>,
+        faults::Faulty<faults::EarlyCount>,
+        faults::Faulty<faults::EqualDepthStops>,
+        faults::Faulty<faults::NoBarrierBeforeStore>,
+        faults::Faulty<faults::NoBarrierBeforeResolve>,
+        faults::Faulty<faults::SpinsFirst>,
+        faults::Faulty<faults::OneTest>,
+        faults::Faulty<faults::RootFirst>,
         KPlusArrayPublished<OrderedUnlock>,
         SBuffer<s_buffer::PlainCount>,
         SBuffer<s_buffer::NoBarrier>,
@@ -149,4 +149,4 @@ catalogue! {
 }
 
 /// See [`super::DEFAULT`].
-pub(super) const DEFAULT: Method = Method::of::<KPlusArray<Correct>>();
+pub(super) const DEFAULT: Method = Method::of::<KPlusArray>();

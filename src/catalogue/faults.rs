@@ -1,11 +1,11 @@
-//! The faults that are built in, as data: what shaders in the wild get wrong, and which variants of methods here get
-//! it wrong too, so that checks can be shown to find it.
+//! The built-in faults, as data: mistakes of shaders in the wild, and the variants of methods here that make the same
+//! mistakes, so that checks can be shown to find them.
 //!
 //! M1 to M19 were seen in public code. Faults with a name instead of a number are controls of our own.
 
 use serde::Serialize;
 
-/// A fault, and where it shows.
+/// A fault, and the methods that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Mutation {
     /// M1 to M19, or a name.
@@ -68,7 +68,7 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in(
         "M11",
-        "a node is published before it is written (equivalent where nobody reads it: ab-ll)",
+        "a node is published before it is written (equivalent if no invocation reads it: ab-ll)",
         &["ab-ll@M11", "ab-ll-double@M11", "kb-ll@M11"],
     ),
     absent(
@@ -113,7 +113,7 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in(
         "published-fixed-unlock",
-        "the published form with nothing mended but the lock",
+        "the published form with only the lock repaired",
         &["kplus-array@published-fixed-unlock"],
     ),
     built_in(
@@ -142,7 +142,7 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in(
         "not-strict",
-        "peeling with <= for <: the last layer again and again",
+        "peeling with <= for <: the last layer is emitted again and again",
         &["depth-peel@not-strict"],
     ),
     built_in(
@@ -157,7 +157,7 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in(
         "cut",
-        "of identical fragments, those that a round has no room for are forgotten",
+        "identical fragments that a round has no room for are forgotten",
         &["kplus-multi@cut"],
     ),
     built_in(
@@ -165,8 +165,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "a pass without synchronisation, and none that verifies it",
         &["kb-multi@unverified"],
     ),
-    built_in("no-reinsert", "who is pushed out of a cell is forgotten", &["ha64@no-reinsert"]),
-    built_in("max-age", "the largest age of a block is not told", &["ha64@max-age"]),
+    built_in("no-reinsert", "a record displaced from its cell is forgotten", &["ha64@no-reinsert"]),
+    built_in("max-age", "the largest age of a block is not updated", &["ha64@max-age"]),
     built_in(
         "offset",
         "an evicted record's pixel is computed with the evicting record's offset",
@@ -180,7 +180,7 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in("no-depth", "records are compared without depth", &["ha64@no-depth"]),
     built_in(
         "braces",
-        "early culling with the age raised at the end of every turn, as listed",
+        "early culling with the age raised at the end of every iteration, as listed",
         &["ha64-cull@braces"],
     ),
 ];

@@ -1,4 +1,4 @@
-//! The catalogue: methods by name. It is a value: the built-in methods, and whichever are added to them.
+//! The catalogue: methods by name. It is a value: the built-in methods and any added ones.
 
 mod built_in;
 pub mod faults;
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::scheme::{Contract, Form};
 
-/// Methods, each with a name of its own.
+/// Methods with distinct names.
 #[derive(Clone, Debug)]
 pub struct Catalogue {
     methods: Vec<Method>,
@@ -26,13 +26,13 @@ impl Catalogue {
         Self { methods: built_in::METHODS.to_vec() }
     }
 
-    /// With another method.
+    /// Add another method.
     ///
     /// # Errors
-    /// There is one of that name.
+    /// A method of that name exists.
     pub fn with(mut self, method: Method) -> Result<Self> {
         if self.methods.contains(&method) {
-            let problem = "is the name of a method that is there already: give the new one another";
+            let problem = "is the name of an existing method: give the new one another";
             return Err(Error::new(method.name(), problem));
         }
         self.methods.push(method);
@@ -45,7 +45,7 @@ impl Catalogue {
         &self.methods
     }
 
-    /// Those that promise something: all but the oracle and the built-in faults.
+    /// The methods that promise something: all but the oracle and the built-in faults.
     pub fn promised(&self) -> impl Iterator<Item = Method> + '_ {
         let promises = |m: &&Method| !m.is_exact() && m.contract().form != Form::Mutation;
         self.methods.iter().filter(promises).copied()
@@ -59,7 +59,7 @@ impl Catalogue {
     /// The method of that name. `place` is where the name was given, for the message.
     ///
     /// # Errors
-    /// There is none: the nearest name that there is, and all but the faults.
+    /// No method has that name: the message gives the nearest name, and all names but those of faults.
     pub fn find(&self, place: &str, name: &str) -> Result<Method> {
         if let Some(method) = self.methods.iter().find(|method| method.name() == name) {
             return Ok(*method);
@@ -77,13 +77,13 @@ impl Catalogue {
     }
 }
 
-/// What is drawn with if nothing else is said: `kplus-array`.
+/// The default method: `kplus-array`.
 pub const DEFAULT: Method = built_in::DEFAULT;
 
 /// The built-in method of that name.
 ///
 /// # Errors
-/// There is none.
+/// No method has that name.
 ///
 /// # Examples
 /// ```
@@ -101,7 +101,7 @@ fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     (edits(name, near) <= 1 + near.len() / 4).then_some(near)
 }
 
-/// Levenshtein's distance: insertions, deletions and replacements of bytes.
+/// The Levenshtein distance: insertions, deletions and replacements of bytes.
 fn edits(from: &str, to: &str) -> usize {
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (i, a) in from.bytes().enumerate() {

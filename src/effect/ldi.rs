@@ -1,10 +1,10 @@
-//! Layered depth images, and voxels: what needs no more of a fragment than its depth (HA-buffer paper, section 6: its
-//! 32-bit form stores nothing else).
+//! Layered depth images and voxels: effects that need only a fragment's depth (HA-buffer paper, section 6: its 32-bit
+//! form stores nothing else).
 //!
-//! A layered depth image is a frame's lists without their data. What is solid follows by parity: a point is inside if an
-//! odd number of fragments lies in front of it. So meshes must be closed, and where two of them overlap is outside
-//! again. The slices of a voxel grid have equal thickness in depth, which from the near to the far plane goes from 0 to
-//! 1: for parallel rays, that is equal thickness in the world, too. Slice s of n has its centres at (s + 1/2) / n.
+//! A layered depth image is a frame's lists without their data. Parity decides what is solid: a point is inside if an
+//! odd number of fragments lies in front of it. So meshes must be closed, and the overlap of two meshes counts as
+//! outside. The slices of a voxel grid have equal thickness in depth, which from the near to the far plane goes from 0
+//! to 1: for parallel rays, that is equal thickness in the world, too. Slice s of n has its centres at (s + 1/2) / n.
 //!
 //! The picture shows how much of 0..1 is solid, as a linear grey, white where there is most; pixels of odd parity are
 //! red.
@@ -37,7 +37,7 @@ pub struct Voxels {
     pub inside: Vec<u8>,
 }
 
-/// Whether a number of slices is right.
+/// Whether a number of slices is valid.
 pub(super) fn check(slices: u32) -> Result<()> {
     if (1..=MAX_SLICES).contains(&slices) {
         return Ok(());
@@ -75,7 +75,7 @@ impl Voxels {
         Self { width, height, slices, inside }
     }
 
-    /// How many are inside.
+    /// How many voxels are inside.
     #[must_use]
     pub fn solid(&self) -> u64 {
         self.inside.iter().map(|&voxel| u64::from(voxel)).sum()

@@ -1,17 +1,18 @@
 //! Translucent media: what light loses inside of objects (HA-buffer paper, section 6.2: in/out pairs of fragments).
 //!
 //! A ray enters an object where it meets one of its faces from outside, and leaves it where as many front as back faces
-//! have been passed: the winding number, +1 for a front face and -1 for a back face, is not 0 in between, so that parts
-//! that overlap count once, a cavity is empty, and it does not matter which way a mesh is wound. The thickness d is the
-//! distance along the ray between the two, in world units (`lens`).
+//! have been passed. In between, the winding number (+1 for a front face and -1 for a back face) is not 0. So
+//! overlapping parts count once, a cavity is empty, and it does not matter which way a mesh is wound. The thickness d
+//! is the distance along the ray between the two, in world units (`lens`).
 //!
-//! A medium of colour c and opacity a transmits, per channel and world unit, t = (1 - a) (1 - a (1 - c)): of what passes,
-//! the share 1 - a, the colour filters as much as the matter is dense. By the law of Beer and Lambert it transmits
-//! exp(-sigma d) with sigma = -ln(t) * density; several media on a ray, also in each other, multiply: the sums of sigma d
-//! are taken in the order in which objects are left. The colour is the background's, or that of the first opaque surface
-//! (opacity byte 255), times the transmittance, which is rounded to 16 bits: (T L + 32,767) / 65,535. Logarithm and
-//! exponential are `libm`'s, in f64. Media neither scatter nor shine, their faces do not show, and vertex colours do not
-//! count; what is open when an opaque surface ends the ray ends there, and what is never left is not counted at all.
+//! A medium of colour c and opacity a transmits, per channel and world unit, t = (1 - a) (1 - a (1 - c)): the share
+//! 1 - a passes, and the colour filters it as much as the matter is dense. By the law of Beer and Lambert it transmits
+//! exp(-sigma d) with sigma = -ln(t) * density; several media on a ray, also nested ones, multiply: the sums of sigma d
+//! are taken in the order in which objects are left. The colour is the background's, or that of the first opaque
+//! surface (opacity byte 255), times the transmittance, which is rounded to 16 bits: (T L + 32,767) / 65,535. Logarithm
+//! and exponential are `libm`'s, in f64. Media neither scatter nor emit light, their faces are not drawn, and vertex
+//! colours are ignored. An object still open where an opaque surface ends the ray ends there; one that is never left is
+//! not counted at all.
 
 use rayon::prelude::*;
 
@@ -50,7 +51,7 @@ impl Matter {
 struct Met {
     solid: usize,
     winding: i64,
-    /// Where it was entered, and what it then is made of.
+    /// Where it was entered, and the material there.
     entered: f64,
     sigma: [f64; 3],
 }
@@ -95,7 +96,7 @@ impl Ray {
         }
     }
 
-    /// Meet an opaque surface. What follows is only counted.
+    /// Meet an opaque surface. The faces behind it are only counted.
     fn stop(&mut self, at: f64, color: impl FnOnce() -> u32) {
         if self.end.is_none() {
             for met in self.met.iter().filter(|met| met.winding != 0) {

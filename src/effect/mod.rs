@@ -1,14 +1,14 @@
-//! What is made of sorted lists of fragments, besides transparency: translucent media, constructive solid geometry,
-//! layered depth images and voxels, shadows (HA-buffer paper, Lefebvre, Hornus, Lasram 2013, section 6).
+//! What is made from sorted lists of fragments, other than transparency: translucent media, constructive solid
+//! geometry, layered depth images and voxels, shadows (HA-buffer paper, Lefebvre, Hornus, Lasram 2013, section 6).
 //!
 //! An effect takes the resolved lists of a frame, so it is the same for every method, executor and schedule that gives
-//! the same lists. What a method did not keep, an effect does not see; whoever draws says so.
+//! the same lists. An effect does not see what a method did not keep; the caller that draws reports the loss.
 //!
 //! * [`media`]: absorption between the faces where a ray enters an object and where it leaves it.
 //! * [`csg`]: a Boolean expression over closed objects.
 //! * [`ldi`]: depths alone; what is solid by parity.
-//! * [`shadow`]: lists seen from the light attenuate the shading of the view's fragments. It is no [`Effect`], but goes
-//!   together with any.
+//! * [`shadow`]: lists seen from the light attenuate the shading of the view's fragments. It is not an [`Effect`], but
+//!   combines with any of them.
 
 pub mod csg;
 pub mod ldi;
@@ -27,10 +27,10 @@ use crate::raster::FrontEnd;
 use crate::resolve::Lists;
 use crate::scene::Scene;
 
-/// What is made of a frame's lists.
+/// What is made from a frame's lists.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub enum Effect {
-    /// Order-independent transparency: the surfaces over each other, as executors composite them.
+    /// Order-independent transparency: the surfaces composited over each other, as executors do it.
     #[default]
     Transparency,
     /// Media that fill objects.
@@ -43,7 +43,7 @@ pub enum Effect {
     Csg(csg::Expression),
     /// A layered depth image.
     Ldi {
-        /// Cut the image's depth into so many slices of voxels as well.
+        /// Cut the image's depth into this many slices of voxels as well.
         voxels: Option<u32>,
     },
 }
@@ -60,7 +60,7 @@ impl Effect {
         }
     }
 
-    /// Whether it asks fragments for their triangles.
+    /// Whether it needs the triangles of fragments.
     #[must_use]
     pub fn needs_primitives(&self) -> bool {
         matches!(self, Self::Media { .. } | Self::Csg(_))
@@ -120,7 +120,7 @@ impl Stage<'_> {
     }
 }
 
-/// What an effect gives.
+/// The result of an effect.
 #[derive(Clone, Debug, Default)]
 pub struct Made {
     /// The picture, unless it is the one that was composited.
@@ -151,7 +151,7 @@ impl Made {
     }
 }
 
-/// Make what `effect` says of a stage whose scene it has checked.
+/// Apply `effect` to a stage whose scene it has checked.
 ///
 /// # Errors
 /// As [`Effect::check`].

@@ -1,16 +1,16 @@
 //! Translucent shadows: the lists of a frame seen from the light are a shadow map (HA-buffer paper, section 6.2).
 //!
 //! A surface of linear colour c and opacity a, both bytes, transmits (1 - a) (1 - a (1 - c)) of the light, per channel:
-//! of what passes, the share 1 - a, its unlit colour filters as much as it is opaque, so that glass throws coloured
-//! shadows and an opaque surface black ones. Transmittances multiply from the light on, each rounded to 16 bits: T = (T (255 - a)
-//! (65,025 - a (255 - c)) + 8,290,687) / 16,581,375.
+//! the share 1 - a passes, and the surface's unlit colour filters it as much as the surface is opaque. So glass casts
+//! coloured shadows and an opaque surface black ones. Transmittances multiply from the light on, each rounded to 16
+//! bits: T = (T (255 - a) (65,025 - a (255 - c)) + 8,290,687) / 16,581,375.
 //!
 //! A point of the view is in the shadow of what its pixel of the map holds at a distance from the light below the point's
 //! own minus a bias, in world units; the bias keeps a surface from shadowing itself, since the map knows it only at its
 //! pixels' centres. Points outside of the map are lit.
 //!
-//! The map of a Boolean combination (`csg`) has its surfaces only, which are opaque. Other effects take the shadows of
-//! all surfaces; media throw those of their faces, whatever their thickness.
+//! The map of a Boolean combination (`csg`) holds only its surfaces, which are opaque. Other effects use the shadows of
+//! all surfaces; media cast those of their faces, whatever their thickness.
 
 use super::lens::Lens;
 use crate::fragment::{data_of, depth_of};
@@ -35,7 +35,7 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// A map for a view, from `lists` of colour words that `light`, a parallel view, gave; `bias` in world units.
+    /// A map for a view, from `lists` of colour words drawn from `light`, a parallel view; `bias` in world units.
     #[must_use]
     pub fn new(view: Lens, light: &Camera, format: Format, lists: Lists, bias: f64) -> Self {
         let mut behind = Vec::with_capacity(lists.entries.len());

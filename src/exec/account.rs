@@ -16,9 +16,9 @@ use crate::scheme::parts::visible::is_hidden;
 pub struct Tally {
     /// Fragments of one geometry pass.
     pub generated: u64,
-    /// Entries in the resolved lists; where there are none, fragments that were stored one by one until resolve.
+    /// Entries in the resolved lists; if there are none, fragments that were stored one by one until resolve.
     pub kept: u64,
-    /// Went into another record, or into a pixel's colour.
+    /// Merged into another record, or into a pixel's colour.
     pub merged: u64,
     /// Rejected before they were stored.
     pub culled: u64,
@@ -28,11 +28,11 @@ pub struct Tally {
     pub duplicated: u64,
     /// Entries that were never generated.
     pub torn: u64,
-    /// Dropped for want of room in the pixel.
+    /// Dropped for lack of room in the pixel.
     pub overflow: u64,
-    /// Dropped for want of room in the frame's pool.
+    /// Dropped for lack of room in the frame's pool.
     pub pool: u64,
-    /// Dropped because they were there already.
+    /// Dropped because they were already stored.
     pub duplicate: u64,
     /// Dropped beyond the largest age of a hash table.
     pub age: u64,
@@ -42,9 +42,9 @@ pub struct Tally {
     pub max_depth_complexity: u32,
     /// Pixels whose reports did not balance.
     pub unbalanced: u64,
-    /// Over those pixels: what was generated, and is not accounted for.
+    /// Over those pixels: fragments generated but not accounted for.
     pub missing: u64,
-    /// Over those pixels: what is accounted for, and was not generated.
+    /// Over those pixels: fragments accounted for but not generated.
     pub surplus: u64,
 }
 
@@ -69,7 +69,7 @@ impl Tally {
         self.surplus += other.surplus;
     }
 
-    /// Count an invocation's report; whether its pixel has one fragment less than was generated.
+    /// Count an invocation's report. Returns whether its pixel has one fragment less than was generated.
     #[inline]
     pub fn report(&mut self, outcome: Outcome) -> bool {
         match outcome {
@@ -102,7 +102,8 @@ impl Tally {
         }
     }
 
-    /// Where there are no lists of fragments to compare: what is missing was lost, and what is too much is there twice.
+    /// For methods without lists of fragments to compare: what is missing counts as lost, and what is surplus as
+    /// duplicated.
     pub fn correct_by_count(&mut self) {
         self.lost += self.missing;
         self.duplicated += self.surplus;
@@ -114,7 +115,7 @@ impl Tally {
         self.reported() + self.lost
     }
 
-    /// Dropped, and reported so by who dropped it.
+    /// Dropped, and reported as dropped by the invocation that did it.
     #[must_use]
     fn reported(&self) -> u64 {
         self.overflow + self.pool + self.duplicate + self.age
@@ -127,14 +128,15 @@ impl Tally {
             == self.kept + self.merged + self.culled + self.evicted + self.dropped()
     }
 
-    /// Replace what racing invocations reported by what the lists show. Reports of drops stay: who drops knows it.
-    /// `culled` keeps its reports as far as they fit.
-    /// `culls`: the method culls what it promises to keep where it cannot be seen, so that this is a report of drops too.
+    /// Replace what racing invocations reported by what the lists show. Reports of drops stay, since the invocation
+    /// that drops a fragment knows it. `culled` keeps its reports as far as they fit.
+    /// `culls`: the method culls promised fragments that cannot be seen, so `culled` is a report of drops too.
     pub fn correct(&mut self, judgement: &Judgement, culls: bool) {
         self.duplicated = judgement.duplicated;
         self.torn = judgement.torn;
         if culls {
-            // Of what is missing and can be seen, so much was dropped for other reasons; the rest was culled wrongly.
+            // Of the missing fragments that can be seen, this many were dropped for other reasons; the rest were culled
+            // wrongly.
             let wrongly = judgement.visible.saturating_sub(self.reported());
             self.culled = self.culled.saturating_sub(wrongly);
         }
@@ -161,7 +163,7 @@ pub struct Judgement {
     pub lost: u64,
     /// Missing, and not among the k nearest.
     pub beyond: u64,
-    /// Missing, and not hidden by others, where a method culls what is.
+    /// Missing, and not hidden by others, where a method culls hidden fragments.
     pub visible: u64,
 }
 
@@ -184,7 +186,7 @@ impl Judgement {
         }
     }
 
-    /// Of one pixel of a method that culls early: count what is missing though it can be seen.
+    /// Judge one pixel of a method that culls early: count what is missing although it can be seen.
     pub fn seen(&mut self, generated: &[u64], kept: &[u64], opaque: u16) {
         let mut g = 0;
         while g < generated.len() {
@@ -248,7 +250,7 @@ mod tests {
 
     #[test]
     fn what_was_culled_and_can_be_seen_was_lost() {
-        // Four missing: two hidden, one culled though it can be seen, one beyond the largest age.
+        // Four missing: two hidden, one culled although it can be seen, one beyond the largest age.
         let reports = Tally { generated: 9, kept: 5, culled: 3, age: 1, ..Tally::default() };
         for (visible, culled, lost) in [(2, 2, 1), (1, 3, 0), (0, 3, 0)] {
             let judgement = Judgement { lost: 4, visible, ..Judgement::default() };

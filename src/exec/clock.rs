@@ -1,4 +1,4 @@
-//! The one place that reads a clock. Times are reported, and reach nothing else.
+//! The one place that reads a clock. Times are only reported; nothing else depends on them.
 
 use std::collections::BTreeMap;
 use std::time::Instant;

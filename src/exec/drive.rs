@@ -1,9 +1,9 @@
 //! The one place where ready futures are polled.
 //!
 //! On native and exclusive memory every operation is ready at once, so one poll runs an invocation to its end and the
-//! compiler removes the machinery, *if* the poll is inlined. It is when a (scheme, memory) pair is polled in a single
-//! place: here, for executors, tests and benchmarks alike. A scheme inside of another one is polled on a memory of
-//! another type, [`Inside`](crate::memory::Inside).
+//! compiler removes the machinery, *if* the poll is inlined. It is inlined when a (scheme, memory) pair is polled in a
+//! single place: here, for executors, tests and benchmarks alike. A scheme inside of another one is polled on a memory
+//! of another type, [`Inside`](crate::memory::Inside).
 //!
 //! Executors see a scheme through [`Pipeline`], in batches: they are compiled once for all schemes.
 
@@ -35,7 +35,7 @@ pub trait Pipeline<M>: Sync {
     fn invocations(&self, pass: usize) -> u32;
     /// Store fragments one after another; at most 64.
     fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes);
-    /// Add what a pixel holds to `held`; whether it needs another round.
+    /// Add what a pixel holds to `held`. Returns whether it needs another round.
     fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool;
     /// What is read back after the frame.
     fn readback(&self) -> Option<Readback>;

@@ -1,4 +1,4 @@
-//! What executors give: tiles of resolved pixels, joined into lists and an image.
+//! The results of executors: tiles of resolved pixels, joined into lists and an image.
 
 use std::collections::BTreeMap;
 
@@ -20,17 +20,17 @@ use crate::scheme::{Held, HeldKind, Keeps, Light, Record, exact};
 pub struct Frame {
     /// By tile.
     pub tiles: Vec<TileOutput>,
-    /// The accounting, judged where it must be.
+    /// The accounting, judged where necessary.
     pub tally: Tally,
-    /// What memory saw, if it was counted.
+    /// The operations counted, if they were counted.
     pub counters: Counters,
     /// Accesses outside of the method's words.
     pub outside: u64,
-    /// Rounds of the method's program: the most that any tile went through, where tiles go on their own.
+    /// Rounds of the method's program: the largest number of any tile, if tiles proceed on their own.
     pub rounds: u32,
     /// The hash table, if the method has one.
     pub table: Option<TableWords>,
-    /// Seconds of each pass, where passes follow each other.
+    /// Seconds of each pass, if passes run one after another.
     pub seconds: BTreeMap<String, f64>,
 }
 
@@ -77,7 +77,7 @@ impl Column {
         }
     }
 
-    /// The fragments; none where it holds something else.
+    /// The fragments; none if it holds something else.
     #[must_use]
     pub fn keys(&self) -> &[u64] {
         match self {
@@ -167,7 +167,7 @@ impl<'a> Finisher<'a> {
         self.output.tally.pixel(generated, gone, keys.len(), 0);
     }
 
-    /// What is no list of fragments.
+    /// Something other than a list of fragments.
     #[inline(never)]
     fn other(&mut self, held: &mut Held, generated: u32, gone: u32) {
         held.sort();
@@ -202,7 +202,7 @@ impl<'a> Finisher<'a> {
         }
     }
 
-    /// All pixels are in; `reports` is what the tile's invocations said.
+    /// All pixels are in; `reports` is what the tile's invocations reported.
     #[must_use]
     pub fn finish(mut self, reports: &Tally) -> TileOutput {
         self.output.tally.merge(reports);
@@ -228,7 +228,7 @@ pub fn resolve_tile(
     finisher.finish(reports)
 }
 
-/// As [`resolve_tile`], of what was collected over several rounds.
+/// As [`resolve_tile`], from what was collected over several rounds.
 pub fn collected_tile(
     collected: &mut [Held],
     counts: &PixelCounts,
@@ -251,7 +251,7 @@ impl Frame {
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
         if job.holds != HeldKind::Fragments {
             tally.correct_by_count();
-        } else if job.contract.racy || job.contract.judged || tally.unbalanced > 0 {
+        } else if job.contract.is_racy() || job.contract.is_judged() || tally.unbalanced > 0 {
             tally.correct(&judge(job, &tiles), job.contract.keeps == Keeps::Visible);
         }
         let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
@@ -259,7 +259,7 @@ impl Frame {
         Self { tiles, tally, counters, rounds, outside, table: None, seconds: BTreeMap::new() }
     }
 
-    /// What the pixels hold, and the picture, row by row. The tiles are used up.
+    /// What the pixels hold, and the picture, row by row. The tiles are consumed.
     #[must_use]
     pub fn assemble(&mut self, grid: &Grid) -> (Kept, Image) {
         let tiles = std::mem::take(&mut self.tiles);
@@ -348,7 +348,7 @@ fn starts(tile: &TileOutput) -> Vec<u32> {
     tile.counts.iter().map(start).collect()
 }
 
-/// The colours of pixels that hold nothing else, row by row.
+/// The colours of pixels that hold only a colour, row by row.
 fn lights(tiles: &[TileOutput], grid: &Grid) -> Vec<Light> {
     let pixels = (0..grid.height).flat_map(|y| (0..grid.width).map(move |x| (x, y)));
     let light = |(x, y): (u32, u32)| {
@@ -361,7 +361,7 @@ fn lights(tiles: &[TileOutput], grid: &Grid) -> Vec<Light> {
     pixels.map(light).collect()
 }
 
-/// Compare every pixel's list with what was generated there.
+/// Compare every pixel's list with the fragments generated there.
 fn judge(job: &Job<'_>, tiles: &[TileOutput]) -> Judgement {
     let per_tile = job.front.grid.pixels_per_tile();
     let tile = |(index, output): (usize, &TileOutput)| {

@@ -1,5 +1,5 @@
-//! Invocations that are compiled for the memory that asks only, on any memory: each question is performed as the
-//! operation that it is, and answered. Anything that can say "my next operation is this" and be told its result can be
+//! Runs invocations that are compiled only for the memory that asks, on any memory: each question is performed as the
+//! operation that it is, and answered. Anything that can say "my next operation is this" and receive its result can be
 //! run in this way.
 
 use std::ops::Range;
@@ -62,7 +62,7 @@ impl Interpreted<'_> {
     }
 }
 
-/// The pool from which an operation takes an index, if that is what it does.
+/// The pool from which an operation takes an index, if it does.
 fn pool(layout: &Layout, at: Address, action: Action) -> Option<Pool> {
     let takes = at.pixel.is_none()
         && at.bits == 32

@@ -1,9 +1,9 @@
-//! A method as everything above schemes sees it: a value with its contract, which makes instances without their type.
+//! A method as everything above schemes sees it: a value with its contract, which makes type-erased instances.
 //!
 //! There are two forms. [`Method::of`] compiles a scheme for every executor, which is what makes it fast. A scheme of
-//! [`Method::interpreted`] is compiled once, for the memory that asks ([`Asked`]), which the explorer needs in any case;
+//! [`Method::interpreted`] is compiled once, for the memory that asks ([`Asked`]), which the explorer needs anyway;
 //! executors then answer its questions, operation by operation, with the same results ([`super::interpret`]). Built-in
-//! faults are of that form: nobody hurries them.
+//! faults have that form: their speed does not matter.
 
 use std::marker::PhantomData;
 
@@ -19,7 +19,7 @@ use crate::scheme::{Config, Contract, Held, HeldKind, Holds, Moment, Readback, S
 /// Makes a scheme and its words for a configuration.
 type Make = fn(&Config) -> Box<dyn Instance>;
 
-/// A method, by its value. Two are the same if they have the same name.
+/// A method, as a value. Two are the same if they have the same name.
 #[derive(Clone, Copy)]
 pub struct Method {
     contract: &'static Contract,
@@ -53,7 +53,7 @@ pub trait Instance: Send + Sync {
     /// An invocation on memory that asks.
     fn ask<'a>(&'a self, mem: &'a Asked<'_>, task: Task) -> Invocation<'a>;
 
-    /// What was compiled for executors, if it was.
+    /// The code compiled for executors, if there is any.
     fn compiled(&self) -> Option<&dyn Compiled>;
 }
 
@@ -105,7 +105,7 @@ impl Method {
     /// A scheme, compiled for every executor.
     #[must_use]
     pub const fn of<S: Scheme>() -> Self {
-        // The library's own tests ask much of the explorer and nothing of executors' speed.
+        // The library's own tests use the explorer heavily and do not depend on the executors' speed.
         if cfg!(test) { Self::interpreted::<S>() } else { Self::made::<S, ForExecutors>() }
     }
 
@@ -142,13 +142,13 @@ impl Method {
         self.holds
     }
 
-    /// It is the oracle.
+    /// Whether it is the oracle.
     #[must_use]
     pub const fn is_exact(&self) -> bool {
         self.make.is_none()
     }
 
-    /// It with a configuration; `None` if it is the oracle, which has no words and no invocations.
+    /// The method with a configuration; `None` if it is the oracle, which has no words and no invocations.
     #[must_use]
     pub fn instance(&self, config: &Config) -> Option<Box<dyn Instance>> {
         self.make.map(|make| make(config))
@@ -175,7 +175,7 @@ impl std::fmt::Debug for Method {
     }
 }
 
-/// Which code there is of a scheme.
+/// The forms in which a scheme is compiled.
 trait Form: 'static {
     fn compiled<S: Scheme>(scheme: &S) -> Option<&dyn Compiled>;
 }

@@ -1,16 +1,16 @@
-//! How passes run: who executes the invocations of clear, store and resolve.
+//! How passes run: the executors of the invocations of clear, store and resolve.
 //!
 //! * [`tile`]: tiles in parallel; each worker owns its tile's pixels (exclusive memory), and resolves them while they
 //!   are in its cache.
-//! * [`threads`]: rasterizer threads hand packets to worker threads that contend on shared atomics, also for the same
+//! * [`threads`]: rasterizer threads hand packets to worker threads that contend on shared atomics, even for the same
 //!   pixel.
-//! * [`sim`]: one thread steps resident invocations, one memory operation at a time, as a policy says.
-//! * [`oracle`]: the exact reference, which is no scheme.
+//! * [`sim`]: one thread steps resident invocations, one memory operation at a time, as a policy decides.
+//! * [`oracle`]: the exact reference, which is not a scheme.
 //!
-//! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). What runs when is
-//! the method's [`Course`]. Between stages stands a barrier for the whole frame, except in `tile`, where a method that
-//! needs no more has it between the stages of a tile: pixel storage is all that a tile's passes share, apart from pools
-//! whose nodes nobody else reads.
+//! All four give the same [`Frame`], and every one of them accounts for every fragment ([`account`]). The method's
+//! [`Course`] says what runs when. A barrier for the whole frame separates stages. The exception is `tile`: for a
+//! method that needs no more, the barrier separates only the stages of each tile, since a tile's passes share only
+//! pixel storage, and pools whose nodes no other tile reads.
 //!
 //! A scheme comes as a [`Method`], and an executor sees it through a [`drive::Pipeline`]: compiled for its memory, or
 //! [interpreted](interpret).

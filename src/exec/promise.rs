@@ -1,11 +1,11 @@
-//! What a pixel must hold: the one place that says it, for whoever compares (references, the explorer, devices, tests).
+//! What a pixel must hold: the one place that says so, for every comparison (references, the explorer, devices, tests).
 
 use super::{Instance, Method};
 use crate::memory::Inputs;
 use crate::scheme::bound::Bound;
 use crate::scheme::{Contract, Held, HeldKind};
 
-/// What a method is held to, pixel by pixel.
+/// What a method must give, pixel by pixel.
 #[derive(Clone)]
 pub struct Promise<'a> {
     contract: &'static Contract,
@@ -16,8 +16,8 @@ pub struct Promise<'a> {
 }
 
 impl<'a> Promise<'a> {
-    /// Of a method with an instance (but for the oracle), the words of its inputs, and how many of each pixel's nearest
-    /// fragments it is held to ([`Contract::bound`]).
+    /// For a method with an instance (all but the oracle): the words of its inputs, and how many of each pixel's
+    /// nearest fragments it must keep ([`Contract::bound`]).
     #[must_use]
     pub fn new(
         method: Method,
@@ -28,8 +28,8 @@ impl<'a> Promise<'a> {
         Self { contract: method.contract(), holds: method.holds(), instance, inputs, bound }
     }
 
-    /// What the pixel in this place of the storage must hold, where room and arrival have no say; `generated` are all its
-    /// fragments in canonical order. `None` if the method says nothing of what it approximates.
+    /// What the pixel in this place of the storage must hold, where room and arrival do not matter; `generated` are all
+    /// its fragments in canonical order. `None` if the method does not specify what it approximates.
     #[must_use]
     pub fn pixel(&self, pixel: u32, generated: &[u64]) -> Option<Held> {
         let own = self.instance.and_then(|i| i.expected(self.inputs, pixel, generated));

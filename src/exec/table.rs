@@ -45,7 +45,7 @@ impl TableWords {
         Self { size: readback.size, age_bit: readback.age_bit, cells }
     }
 
-    /// Records, by age from 0, which is none's.
+    /// Number of records by age, from 0, which no record has.
     #[must_use]
     pub fn ages(&self) -> Vec<u64> {
         let mut ages = Vec::new();

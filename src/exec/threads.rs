@@ -1,5 +1,5 @@
 //! Contended threads: rasterizer threads hand packets over a queue to worker threads, which run store invocations on
-//! shared atomics. Packets of one tile go to whoever is free, so workers meet on the same pixels.
+//! shared atomics. Packets of one tile go to any free worker, so workers meet on the same pixels.
 //!
 //! With N threads there are N workers and N / 2 rasterizers (at least one).
 
@@ -144,13 +144,13 @@ fn frame<O: Observer + Default>(
     Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
 }
 
-/// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if that matters.
+/// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if it matters.
 struct Sent {
     packet: Packet,
     ranks: Option<Box<[u32; 64]>>,
 }
 
-/// What all threads reach.
+/// The memory that all threads share.
 struct SharedMemory<'a> {
     pixel: Shared,
     global: Shared,
@@ -170,7 +170,7 @@ impl SharedMemory<'_> {
     }
 }
 
-/// What a geometry pass leaves behind besides memory.
+/// The results of a geometry pass other than memory.
 #[derive(Default)]
 struct Stored {
     generated: Vec<Mutex<Vec<u32>>>,
@@ -250,7 +250,8 @@ fn rasterize(
         job.front.packets(tile, |packet| {
             let first = grid.local_block(packet) as usize * 64;
             let block = &mut counts[first..first + 64];
-            let ranks = job.contract.interlock.then(|| Box::new(std::array::from_fn(|i| block[i])));
+            let ranks =
+                job.contract.is_interlocked().then(|| Box::new(std::array::from_fn(|i| block[i])));
             for (bit, count) in block.iter_mut().enumerate() {
                 *count += (packet.mask >> bit & 1) as u32;
             }
@@ -269,8 +270,8 @@ fn rasterize(
 
 /// A worker thread: runs the invocations of the packets it receives.
 ///
-/// With an interlock, an invocation may wait for one of an earlier packet of its tile. That one was sent earlier, so
-/// another worker has it and is at work on it or on one still earlier: nobody waits for ever.
+/// With an interlock, an invocation may wait for one of an earlier packet of its tile. That packet was sent earlier, so
+/// another worker has it and is working on it or on a still earlier one: no invocation waits forever.
 fn invoke<O: Observer>(
     scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
     (number, stores): (usize, bool),

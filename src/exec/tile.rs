@@ -1,9 +1,9 @@
 //! Tiles in parallel: a worker owns a tile's pixels, so their memory is plain cells.
 //!
 //! Where no pixel waits for another ([`Program::is_local`](crate::scheme::contract::Program::is_local)), a tile goes
-//! through all its passes and rounds at once, and its memory is the worker's, used again for the next tile: its pixels'
-//! records, and its range of the pools, which then stays in the worker's cache. Else every tile keeps its memory, and a
-//! pass ends for all tiles before the next begins.
+//! through all its passes and rounds at once, and its memory belongs to the worker, which reuses it for the next tile:
+//! its pixels' records, and its range of the pools, which then stays in the worker's cache. Otherwise every tile keeps
+//! its memory, and a pass ends for all tiles before the next begins.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -28,7 +28,7 @@ use crate::scheme::{Held, Outcome};
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
 
-/// Run a scheme, with its operations counted or not. Call it inside the thread pool that shall do the work.
+/// Run a scheme, with its operations counted or not. Call it inside the thread pool that is to do the work.
 #[must_use]
 pub fn run(instance: &dyn Instance, job: &Job<'_>, counted: bool) -> Frame {
     let layout = instance.layout();
@@ -65,7 +65,7 @@ fn frame<O: Observer + Default + Send>(
     Frame { table, outside: frame.outside + global.outside(), ..frame }
 }
 
-/// What all workers know.
+/// The context that all workers share.
 struct Tiles<'a, O> {
     scheme: &'a dyn for<'b> Pipeline<Exclusive<'b, O>>,
     layout: &'a Layout,
@@ -73,17 +73,17 @@ struct Tiles<'a, O> {
     job: &'a Job<'a>,
 }
 
-/// A tile at work: its memory, and what is known of its pixels.
+/// A tile in progress: its memory, and what is known about its pixels.
 struct Tile<O> {
     index: usize,
     memory: Owned,
-    /// The worker's own range of every pool: that of a tile that was its.
+    /// The worker's own range of every pool: the range of one of its tiles.
     pool: Range<u64>,
     /// The next index of that range, if there is one.
     next: Option<Cell<u32>>,
     counts: PixelCounts,
     reports: Tally,
-    /// What the pixels hold of all rounds so far, where there are several.
+    /// What the pixels hold from all rounds so far, if there are several.
     collected: Vec<Held>,
     observer: O,
     batch: Batch,
@@ -187,7 +187,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             .taking(tile.next.as_ref())
     }
 
-    /// Work on the frame's words; what was counted.
+    /// Work on the frame's words, and give what was counted.
     fn on_frame(&self, work: impl FnOnce(&Exclusive<'_, O>)) -> Counters {
         let none = Owned::new(Layout::default().per_pixel(), 0);
         let observer = O::default();
@@ -195,14 +195,14 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         observer.counters().cloned().unwrap_or_default()
     }
 
-    /// Memory keeps the contents of the tile before: only a clear pass makes it fit for use.
+    /// Memory keeps the contents of the tile before: only a clear pass prepares it for use.
     fn clear(&self, tile: &mut Tile<O>, index: usize) {
         let pixels = self.job.front.grid.pixels_per_tile();
         tile.index = index;
         tile.outside_before = tile.memory.outside();
         tile.observer = O::default();
         if let Some(&[before, after]) = self.job.before_tile.get(index..index + 2) {
-            // Where a pool is too small, which of its ranges a tile has decides what is dropped.
+            // If a pool is too small, the range that a tile has decides what is dropped.
             if !self.job.whole_pools || after - before > tile.pool.end - tile.pool.start {
                 tile.pool = before..after;
             }
@@ -223,17 +223,17 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             PassKind::Screen => {
                 self.scheme.screen(&self.memory(tile), number, first..first + pixels);
             }
-            // Of one tile's passes, one over the frame's words can only be its own.
+            // A pass over the frame's words is not run tile by tile.
             PassKind::Frame => {}
             PassKind::Prepare => self.geometry(tile, number, false),
             PassKind::Store => self.geometry(tile, number, true),
         }
     }
 
-    /// A geometry pass. What a store pass of an earlier round said is forgotten.
+    /// A geometry pass. The reports of an earlier round's store pass are dropped.
     fn geometry(&self, tile: &mut Tile<O>, number: usize, stores: bool) {
         let (job, grid) = (self.job, &self.job.front.grid);
-        let (first, interlock) = (self.first(tile), job.contract.interlock);
+        let (first, interlock) = (self.first(tile), job.contract.is_interlocked());
         let mem = Exclusive::new(&tile.memory, self.global, &job.inputs, &tile.observer)
             .from(first)
             .taking(tile.next.as_ref());
@@ -261,7 +261,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         });
     }
 
-    /// A pass over the frame's words; what was counted.
+    /// Run a pass over the frame's words, and give what was counted.
     fn frame(&self, number: usize) -> Counters {
         let count = self.scheme.invocations(number);
         let chunk = |begin: u32| {

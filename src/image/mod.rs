@@ -1,5 +1,5 @@
-//! Pictures as bytes: RGBA8 images, their hash, PNG files, differences and comparison sheets.
-//! Nothing here knows how a picture came about.
+//! Pictures as bytes: RGBA8 images, their hash, PNG files, differences and comparison sheets. Nothing here knows how a
+//! picture was made.
 
 mod canvas;
 pub mod difference;

@@ -1,5 +1,5 @@
-//! PNG files. The settings are fixed, so that equal images give equal bytes with one version of the encoder;
-//! across versions only the pixels are promised.
+//! PNG files. The settings are fixed, so that equal images give equal bytes with one version of the encoder; across
+//! versions, only the pixels are guaranteed.
 
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, SrgbRenderingIntent};
 

@@ -1,7 +1,8 @@
 //! The comparison sheet of one method: exact | method | heat map, with a header and a legend.
 //!
-//! Tiny pictures are enlarged by an integer factor until texts fit above them, huge ones reduced by one; the
-//! heat map keeps the largest difference of each block, so that a single differing pixel stays visible.
+//! Tiny pictures are enlarged by an integer factor until the texts fit above them, and huge ones are reduced by an
+//! integer factor. The heat map keeps the largest difference of each block, so that a single differing pixel stays
+//! visible.
 
 use embedded_graphics::mono_font::MonoFont;
 use embedded_graphics::mono_font::iso_8859_1::{FONT_8X13, FONT_9X18_BOLD};
@@ -10,7 +11,7 @@ use super::canvas::Canvas;
 use super::{Image, difference, ramp};
 use crate::error::Result;
 
-/// The texts of a sheet. Latin-1 can be drawn; what is too long for the sheet is cut short.
+/// The texts of a sheet. Only Latin-1 can be drawn; text too long for the sheet is cut short.
 #[derive(Clone, Debug, Default)]
 pub struct Labels {
     /// First line: what is compared.

@@ -1,5 +1,5 @@
-//! Storage for one space of a layout: records of words, zeroed when made. The system hands out zeroed pages on first
-//! touch, so a large pool costs only what is used of it. Accesses beyond the end have no effect, and are counted.
+//! Storage for one space of a layout: records of words, zeroed at creation. The system hands out zeroed pages on first
+//! touch, so a large pool costs only the part that is used. Accesses beyond the end have no effect, and are counted.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, AtomicU64};
@@ -11,8 +11,8 @@ use super::{Access, Atomic, Global, Kind, Order, Space, Update, Word, Words};
 /// What an access outside of the words reads.
 const NOTHING: u64 = 0;
 
-/// Words that many threads share. Plain words are relaxed atomics too, as safe Rust demands; on the machines at hand
-/// that is the same instruction.
+/// Words that many threads share. Plain words are relaxed atomics too, as safe Rust requires; on the machines at hand
+/// they compile to the same instructions.
 #[derive(Debug)]
 pub struct Shared {
     words32: Box<[AtomicU32]>,
@@ -30,8 +30,8 @@ pub struct Owned {
     outside: Cell<u64>,
 }
 
-/// A handle's view of shared words. A handle holds its views by value, so that the compiler knows their addresses and
-/// sizes not to change between operations.
+/// A handle's view of shared words. A handle holds its views by value, so that the compiler knows that their addresses
+/// and sizes do not change between operations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SharedView<'a> {
     words: Atomics<'a>,
@@ -39,7 +39,7 @@ pub(super) struct SharedView<'a> {
     outside: &'a AtomicU64,
 }
 
-/// The same of owned words.
+/// The same for owned words.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnedView<'a> {
     words: Cells<'a>,
@@ -47,7 +47,7 @@ pub(super) struct OwnedView<'a> {
     outside: &'a Cell<u64>,
 }
 
-/// What every arena can do, at once.
+/// The operations of every arena; each completes at once.
 pub(super) trait Arena {
     fn read<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, access: Access) -> W;
     fn write<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>, value: W, access: Access);
@@ -149,14 +149,14 @@ impl Owned {
         (narrow, self.words64.iter().map(Cell::get).collect())
     }
 
-    /// Where a word of this arena's space stands in [`Self::words`]; a faulty scheme's may be beyond the end.
+    /// The index of a word of this arena's space in [`Self::words`]; a faulty scheme's may be beyond the end.
     #[allow(clippy::inline_always, reason = "see `Memory`")]
     #[inline(always)]
     pub(super) fn index<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> usize {
         index(&self.stride, at)
     }
 
-    /// A word's value, by its record and its place there; `None` where there is none.
+    /// A word's value, by its record and its place in the record; `None` if there is none.
     pub(super) fn value(&self, record: u32, bits: u32, word: u64) -> Option<u64> {
         let at = |stride: u64| (u64::from(record) * stride + word) as usize;
         match bits {
@@ -180,7 +180,7 @@ impl Owned {
 }
 
 impl SharedView<'_> {
-    /// An access outside of the words: counted; what it reads.
+    /// Count an access outside of the words, and give what it reads.
     #[cold]
     #[inline(never)]
     fn miss<W: Word>(&self) -> W {

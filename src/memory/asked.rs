@@ -1,8 +1,8 @@
-//! Memory whose every operation is a question: an invocation stops before each one, and whoever drives it answers.
+//! Memory whose every operation is a question: an invocation stops before each one, and its driver answers.
 //!
 //! This memory holds no words. It says what an invocation wants to do next ([`Request`]): which word, how, in which
-//! order, from where in the source; and takes the result from outside. So one invocation can be followed along any
-//! results at all, which is what search needs: it keeps the words itself, under whatever memory model it explores.
+//! order, from where in the source; and takes the result from outside. So an invocation can be followed along any
+//! sequence of results. Search needs that: it keeps the words itself, under the memory model that it explores.
 
 use std::cell::{Cell, RefCell};
 use std::future::Future;
@@ -39,7 +39,7 @@ pub enum Request {
         at: Address,
         /// What to do.
         action: Action,
-        /// From where.
+        /// The place in the source.
         site: Site,
     },
     /// To try again from a mark.
@@ -51,7 +51,7 @@ pub enum Request {
 /// A block of the invocation's stack: where it was opened, and how many its parent had opened before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OpenBlock {
-    /// Where.
+    /// The place in the source.
     pub site: Site,
     /// The number among its parent's blocks.
     pub ordinal: u32,
@@ -68,9 +68,9 @@ pub struct Asked<'a> {
     /// Blocks opened so far in the body of each open block, and of the invocation.
     opened: RefCell<Vec<u32>>,
     sites: RefCell<Vec<Site>>,
-    /// After how many answers the invocation last said what it depends on, where, and on what.
+    /// When the invocation last said what it depends on: after how many answers, where, and on which values.
     here: RefCell<Option<(u32, Here)>>,
-    /// What the invocation had counted since this was last asked.
+    /// What the invocation has reported to be counted since the last call of `take_noted`.
     noted: RefCell<Vec<Event>>,
     lanes: bool,
 }
@@ -102,13 +102,13 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// What the invocation waits for, if it does.
+    /// The request that the invocation waits for, if it waits.
     #[must_use]
     pub fn request(&self) -> Option<Request> {
         self.request.get()
     }
 
-    /// What the invocation said it depends on since the last answer, if it did.
+    /// What the invocation has said it depends on since the last answer, if anything.
     #[must_use]
     pub fn here(&self) -> Option<Here> {
         let here = self.here.borrow();
@@ -135,7 +135,7 @@ impl<'a> Asked<'a> {
         self.sites.borrow().clone()
     }
 
-    /// What the invocation had counted since this was last asked.
+    /// What the invocation has reported to be counted since the last call.
     #[must_use]
     pub fn take_noted(&self) -> Vec<Event> {
         self.noted.take()
@@ -240,7 +240,7 @@ impl Memory for Asked<'_> {
     }
 }
 
-/// The end of a block: with lanes, a question; then, and without, the block is closed.
+/// The end of a block. With lanes it is a question first; then, as without lanes, the block is closed.
 struct Merge<'a> {
     asked: &'a Asked<'a>,
     block: Block,
@@ -252,7 +252,7 @@ impl Future for Merge<'_> {
 
     fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<()> {
         let depth = self.block.0 as usize;
-        // Blocks that were left by a break end here too.
+        // Blocks left by a break end here too.
         self.asked.blocks.borrow_mut().truncate(depth + 1);
         self.asked.opened.borrow_mut().truncate(depth + 2);
         if self.asked.lanes {

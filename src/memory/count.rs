@@ -29,13 +29,13 @@ pub trait Observer {
     #[inline(always)]
     fn spin(&self) {}
 
-    /// What an invocation says of itself.
+    /// An event that an invocation reports about itself.
     #[inline(always)]
     fn note(&self, event: Event) {
         let _ = event;
     }
 
-    /// What it counted, if it counts.
+    /// Its counters, if it counts.
     fn counters(&self) -> Option<&Counters> {
         None
     }
@@ -87,7 +87,7 @@ impl Counters {
         }
     }
 
-    /// By name, without those that are zero.
+    /// The counts by name, without those that are zero.
     #[must_use]
     pub fn by_name(&self) -> BTreeMap<String, u64> {
         let named = NAMES.iter().zip(&self.counts);

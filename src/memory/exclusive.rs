@@ -1,9 +1,9 @@
-//! Exclusive memory: plain cells for the pixels of a tile that one worker owns; what belongs to the frame stays
-//! atomic and shared. The same scheme and the same result, without the price of atomics.
+//! Exclusive memory: plain cells for the pixels of a tile that one worker owns; what belongs to the frame stays atomic
+//! and shared. The same scheme and the same result, without the cost of atomics.
 //!
-//! A tile that knows how many fragments it has takes pool indices from a range that is its worker's alone: no two workers
-//! write the same cache line of a pool, or wait for its counter. Which fragment gets which index may then depend on the
-//! workers; what is kept does not, since a range is shared only where pools have room for all.
+//! A tile that knows how many fragments it has takes pool indices from a range of its worker's own: no two workers
+//! write the same cache line of a pool, or contend for its counter. Which fragment gets which index may then depend on
+//! the workers. What is kept does not, since such ranges are used only where pools have room for all.
 
 use std::cell::Cell;
 use std::future::{Future, ready};
@@ -35,13 +35,13 @@ impl<'a, O: Observer> Exclusive<'a, O> {
         Self { first: 0, pixel, global, next: None, inputs, observer }
     }
 
-    /// The same, whose records are those of pixel `first` and the next ones.
+    /// The same, with records that are those of pixel `first` and the next ones.
     #[must_use]
     pub fn from(self, first: u32) -> Self {
         Self { first, ..self }
     }
 
-    /// The same, which takes the indices of pools from `next` on, if there is one.
+    /// The same, taking the indices of pools from `next` on, if there is one.
     #[must_use]
     pub fn taking(self, next: Option<&'a Cell<u32>>) -> Self {
         Self { next, ..self }
@@ -117,7 +117,8 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         self.inputs.get(at)
     }
 
-    /// Nobody else can be waited for: a scheme that spins here would spin for ever, and a pixel's lock is always free.
+    /// There is no other invocation to wait for: a scheme that spins here would spin forever, and a pixel's lock is
+    /// always free.
     #[inline]
     fn spin(&self, _: Mark) -> impl Future<Output = ()> + Unpin {
         self.observer.spin();

@@ -1,9 +1,9 @@
 //! The same memory under another type, for a scheme inside of another one.
 //!
 //! An `async fn` that is called from two places on one memory is one future, polled in two places. The compiler then
-//! makes one function of it, with its state in memory, and every caller loses: `kplus-heap` took more than twice as
-//! long. On this memory, a scheme's futures inside of another scheme are of a type of their own. A step that schemes
-//! share, and that is on the way of every fragment, has its caller's type as a parameter instead, to the same end.
+//! makes one function of it, with its state in memory, and every caller becomes slower: `kplus-heap` took more than
+//! twice as long. On this memory, the futures of a scheme inside of another scheme have a type of their own. A shared
+//! step that runs for every fragment takes its caller's type as a parameter instead, for the same reason.
 
 use std::future::Future;
 use std::marker::PhantomData;

@@ -1,9 +1,9 @@
 //! The shader's view of memory.
 //!
-//! A scheme is an `async fn` generic over [`Memory`]; each access to shared memory is one `.await`. What an access
-//! *is* depends on the memory: a std atomic ([`native`]), a plain cell of a tile that one worker owns
-//! ([`exclusive`]), or one step of a simulated device that chooses who goes next ([`sim`]). loom's memory lives with
-//! the tests.
+//! A scheme is an `async fn` generic over [`Memory`]; each access to shared memory is one `.await`. What an access *is*
+//! depends on the memory: a std atomic ([`native`]), a plain cell of a tile that one worker owns ([`exclusive`]), or
+//! one step of a simulated device that chooses which invocation goes next ([`sim`]). The memory for loom is in the
+//! tests.
 //!
 //! The operations are WGSL's atomics plus what WGSL lacks: memory orderings, and GLSL's plain store to an atomic word
 //! (the papers' unlock). A word is declared atomic or plain, 32 or 64 bits, and belongs to a pixel or to the frame
@@ -45,7 +45,7 @@ pub enum Order {
     Relaxed,
     /// What the writer did before its release is visible after this read.
     Acquire,
-    /// What was done before this write is visible to who acquires it.
+    /// What was done before this write is visible to an acquire that reads it.
     Release,
     /// Both, for a read-modify-write.
     AcqRel,
@@ -123,8 +123,7 @@ impl<W: Word> Update<W> {
         }
     }
 
-    /// Whether an exchange did not get what it wanted: it found its own value (a lock already taken), or a
-    /// compare-exchange found another.
+    /// Whether an exchange failed: it found its own value (a lock already taken), or a compare-exchange found another.
     #[inline(always)]
     #[must_use]
     pub fn failed(self, old: W) -> bool {
@@ -136,7 +135,7 @@ impl<W: Word> Update<W> {
     }
 }
 
-/// What an invocation is about, for counters only.
+/// What an invocation is doing, for counters only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// It looks at a cell of a hash table.
@@ -158,9 +157,9 @@ pub struct Block(pub u32);
 /// Shared memory, as a shader invocation sees it. An implementation has four operations; a scheme uses the named ones
 /// below them.
 ///
-/// An access outside of the words that a memory was made for, which only a faulty scheme makes, does what robust buffer
-/// access does (Vulkan's `robustBufferAccess`): a read gives 0, a write has no effect, an update gives 0 and has no effect.
-/// The memory counts it.
+/// An access outside of a memory's words, which only a faulty scheme makes, does what robust buffer access does
+/// (Vulkan's `robustBufferAccess`): a read gives 0, a write has no effect, an update gives 0 and has no effect. The
+/// memory counts it.
 #[allow(clippy::inline_always, reason = "the cost of a scheme is the cost of these operations")]
 pub trait Memory {
     /// Read a word.
@@ -189,7 +188,8 @@ pub trait Memory {
         order: Order,
     ) -> impl Future<Output = W> + Unpin;
 
-    /// Read a word of an input. No operation: nobody writes it, so that no order of anything shows.
+    /// Read a word of an input. It is not an operation: no invocation writes an input, so the order of reads cannot be
+    /// observed.
     fn input(&self, at: InputAt) -> u32;
 
     /// Say that this invocation waits for another one and is about to try again from `mark`.
@@ -205,26 +205,27 @@ pub trait Memory {
         Mark(0)
     }
 
-    /// Say that from here on this invocation depends on these values and on nothing else that it has seen. No operation.
+    /// Say that from here on this invocation depends on these values and on nothing else that it has seen. Not an
+    /// operation.
     ///
-    /// It is a claim, as [`Memory::spin`] makes one: search takes invocations of one task for one where they stand at the
-    /// same place with the same values, and checks it. Good for loops whose turns carry little over.
+    /// Like [`Memory::spin`], this is a claim. Search treats two invocations of one task as the same if they stand at
+    /// the same place with the same values, and checks the claim. Good for loops whose iterations carry little over.
     #[inline(always)]
     #[track_caller]
     fn here(&self, live: &[u64]) {
         let _ = live;
     }
 
-    /// Have something counted; no operation.
+    /// Count an event; not an operation.
     #[inline(always)]
     fn note(&self, event: Event) {
         let _ = event;
     }
 
     /// Open a block: a loop or a branch with operations in it, after which the lanes of a warp come together again
-    /// ([`Memory::merge`], the merge instruction of SPIR-V). A scheme in which every loop and branch with operations
-    /// is a block has a verdict on SIMT reconvergence. Leaving a block without its merge is for returns, and for
-    /// breaks that leave an outer block at its own merge.
+    /// ([`Memory::merge`], the merge instruction of SPIR-V). A scheme gets a verdict on SIMT reconvergence if every
+    /// loop and branch with operations is a block. Only a return, or a break that leaves an outer block at that block's
+    /// merge, may leave a block without its merge.
     #[inline(always)]
     #[track_caller]
     fn block(&self) -> Block {
@@ -240,7 +241,7 @@ pub trait Memory {
     }
 
     /// Take a pool's next index: `atomicAdd` of 1 (or GLSL's `atomicCounterIncrement`). A memory that knows which
-    /// indices its invocations will need may hand them out without asking anybody.
+    /// indices its invocations will need may hand them out without touching the counter.
     #[inline(always)]
     #[track_caller]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {

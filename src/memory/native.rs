@@ -9,7 +9,7 @@ use super::{
     Word,
 };
 
-/// Failed attempts after which a waiting thread gives up its core for once: the holder may not be running.
+/// Failed attempts after which a waiting thread yields its core once: the holder may not be running.
 const SPINS_BEFORE_YIELD: u32 = 64;
 
 thread_local! {
@@ -94,7 +94,7 @@ impl<O: Observer> Memory for Native<'_, O> {
     }
 }
 
-/// Pause, and now and then yield.
+/// Pause, and occasionally yield.
 #[cold]
 fn wait() -> Ready<()> {
     let waits = WAITS.with(|w| w.replace(w.get().wrapping_add(1)));

@@ -4,9 +4,9 @@
 //! happens, the scheme runs on to its next one, and that one waits. Memory is sequentially consistent: an operation
 //! is a step, and steps happen one after another.
 //!
-//! What waits is kept small, since thousands of invocations stand at an operation each: it knows the index of its
-//! word, not how the index came about. And it looks at its word when it begins to wait: by the time of its turn the
-//! word is in the cache.
+//! A waiting operation is kept small, since thousands of invocations wait at one each: it stores the index of its word,
+//! not how the index was computed. It also reads its word when it begins to wait, so that the word is in the cache by
+//! the time of its turn.
 
 use std::cell::Cell;
 use std::future::Future;
@@ -27,12 +27,12 @@ pub struct Sim<O> {
     pixel: Owned,
     global: Owned,
     inputs: Inputs,
-    /// What an access outside of the words finds: zeros, each time anew.
+    /// What an access outside of the words finds: zeros, set anew each time.
     nowhere: (Cell<u32>, Cell<u64>),
     granted: Cell<bool>,
     /// An invocation has waited since this was last asked.
     waited: Cell<bool>,
-    /// Whether changes are told.
+    /// Whether changes are recorded.
     telling: Cell<bool>,
     changed: Cell<Option<Change>>,
     observer: O,
@@ -88,7 +88,7 @@ impl<O: Observer> Sim<O> {
         self.waited.get() && self.waited.replace(false)
     }
 
-    /// Tell changes of the frame's words from now on, or no more.
+    /// Start or stop recording changes to the frame's words.
     pub fn tell_changes(&self, telling: bool) {
         self.telling.set(telling);
         self.changed.set(None);

@@ -1,6 +1,6 @@
-//! Counter-based random numbers: a value is a pure function of (seed, stream, index), so that results do
-//! not depend on who asks first. The mixer is `SplitMix64`'s finalizer (Steele, Lea, Flood, "Fast splittable
-//! pseudorandom number generators", OOPSLA 2014), applied once per input word.
+//! Counter-based random numbers: a value is a pure function of (seed, stream, index), so that results do not depend on
+//! the order of requests. The mixer is `SplitMix64`'s finalizer (Steele, Lea, Flood, "Fast splittable pseudorandom
+//! number generators", OOPSLA 2014), applied once per input word.
 
 /// The 64 random bits at `index` of `stream` under `seed`.
 #[must_use]

@@ -122,7 +122,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// From vertices in order; fewer than three make it empty, and more than nine are not kept.
+    /// From vertices in order; fewer than three make it empty, and any beyond nine are dropped.
     #[must_use]
     pub fn new(vertices: &[Snapped]) -> Self {
         let mut polygon = Self::default();

@@ -50,11 +50,11 @@ pub struct FrontEnd {
     pub degenerate: u64,
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
-    /// By primitive: whether its back is seen. Apart, since few runs ask.
+    /// By primitive: whether its back is seen. Kept apart, since few runs need it.
     backs: Vec<bool>,
     /// By primitive: its corners, where they were asked for.
     outlines: Vec<Polygon>,
-    /// What stands in the light's way.
+    /// What attenuates the light on its way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
     /// Bin t is `binned[starts[t]..starts[t + 1]]`.
     starts: Vec<usize>,
@@ -68,7 +68,7 @@ impl FrontEnd {
         Self::attenuated(scene, grid, sub_pixel_bits, cull, None)
     }
 
-    /// As [`FrontEnd::new`], in light that is attenuated on its way.
+    /// As [`FrontEnd::new`], with light that is attenuated on its way.
     #[must_use]
     pub fn attenuated(
         scene: &Scene,
@@ -312,15 +312,15 @@ impl Chunk {
     }
 }
 
-/// Where triangles go.
+/// The settings for triangles.
 #[derive(Clone, Copy)]
 struct Target {
     viewport: Viewport,
     image: Rect,
     cull: CullFace,
-    /// Light is.
+    /// Whether light is attenuated.
     attenuated: bool,
-    /// Corners are kept.
+    /// Whether corners are kept.
     outlines: bool,
 }
 

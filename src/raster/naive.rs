@@ -1,4 +1,5 @@
-//! The reference rasterizer: right by reading, not fast. No tiles, no blocks, no increments, no 64-bit tricks.
+//! The reference rasterizer: written to be verified by reading, not to be fast. No tiles, no blocks, no increments, no
+//! 64-bit tricks.
 //!
 //! A triangle covers a pixel centre that lies strictly inside, or on a top or left edge. A polygon covers what its
 //! fan covers with the sign of the whole. Depth is the plane of the largest vertex triple with coefficients rounded

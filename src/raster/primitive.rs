@@ -1,4 +1,4 @@
-//! A primitive: everything needed to cover, and to give depth to, the pixels of one clipped and snapped triangle.
+//! A primitive: everything needed for the coverage and depth of one clipped and snapped triangle.
 
 use super::clip::{Polygon, UNITS, doubled_area};
 use super::edge::{Edge, block_mask, edges};
@@ -51,7 +51,7 @@ impl Rect {
 pub struct Primitive {
     /// The global triangle index.
     pub triangle: u32,
-    /// The pixels whose centres its bounding box holds, within the image.
+    /// The pixels of the image whose centres lie in its bounding box.
     pub bounds: Rect,
     /// Depth.
     pub plane: DepthPlane,

@@ -32,7 +32,7 @@ type Rgb = [f32; 3];
 /// What lies on a primitive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
-    /// One data word everywhere.
+    /// The same data word everywhere.
     Uniform(u32),
     /// Evaluated per fragment.
     Varying(Box<Varying>),
@@ -107,8 +107,8 @@ pub struct Corners {
 }
 
 impl Surface {
-    /// Shade at set-up what does not vary. `turned` says that the back face is seen: normals are reversed. `attenuated`
-    /// says that light will be.
+    /// Shade at set-up what does not vary. `turned` means that the back face is seen: normals are reversed.
+    /// `attenuated` means that the light will be attenuated.
     #[must_use]
     pub fn new(
         corners: &Corners,
@@ -153,7 +153,7 @@ impl Surface {
         }
     }
 
-    /// The data word at pixel (x, y), where `reaches` of the light does, 0 to 65,535 per channel.
+    /// The data word at pixel (x, y), where the share `reaches` of the light arrives, 0 to 65,535 per channel.
     #[must_use]
     pub fn attenuated(&self, x: u32, y: u32, reaches: [u16; 3]) -> u32 {
         let reaches = reaches.map(|share| f32::from(share) / 65_535.0);
@@ -229,7 +229,7 @@ fn unit(v: DVec3) -> Rgb {
     }
 }
 
-/// (a, b, c) of each corner's homogeneous weight, scaled so that all stay within f32's comfort.
+/// (a, b, c) of each corner's homogeneous weight, scaled so that all stay well within f32's range.
 fn weights(clip: &[DVec4; 3], viewport: &Viewport, bounds: Rect) -> [[f32; 3]; 3] {
     let (width, height) = (f64::from(viewport.width), f64::from(viewport.height));
     let (x0, y0) = (f64::from(bounds.x0) + 0.5, f64::from(bounds.y0) + 0.5);

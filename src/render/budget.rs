@@ -1,8 +1,8 @@
-//! A memory budget: how large k, or a pool, may be.
+//! A memory budget: how large k or a pool may be.
 //!
 //! The dynamic k-buffer takes k from the depth-complexity histogram (Vasilakis, Fudos 2014, section 5; the importance
-//! paper, section 2): the largest k whose storage fits. A method whose storage does not depend on k, an A-buffer, is told
-//! of fewer fragments than there are, and drops what finds no room.
+//! paper, section 2): the largest k whose storage fits. A method whose storage does not depend on k, an A-buffer, is
+//! configured for fewer fragments than there are, and drops what finds no room.
 
 use crate::error::{Error, Result};
 use crate::exec::Method;
@@ -10,14 +10,14 @@ use crate::raster::FrontEnd;
 use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Demand, Keeps};
 
-/// What a budget led to.
+/// The result of a budget.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Budget {
     /// Bytes that the method's storage may take.
     pub bytes: u64,
-    /// The k that was chosen, where storage depends on it.
+    /// The chosen k, if storage depends on it.
     pub k: Option<u32>,
-    /// Or for how many fragments there is room: in the frame, or at each pixel.
+    /// Otherwise, how many fragments there is room for: in the frame, or at each pixel.
     pub room: Option<u64>,
     /// For every number of fragments, how many pixels have it.
     pub histogram: Vec<u64>,
@@ -25,7 +25,7 @@ pub struct Budget {
     pub beyond: u64,
 }
 
-/// What a scene asks for, before memory is allocated.
+/// What a scene needs, before memory is allocated.
 pub(super) struct Scene<'a> {
     front: &'a FrontEnd,
     /// By storage pixel: those outside of the picture have no fragments.
@@ -59,7 +59,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The largest configuration that fits.
+    /// The largest configuration whose storage fits.
     pub(super) fn within(&self, bytes: u64, k: Option<u32>) -> Result<(Config, Budget)> {
         let grid = &self.front.grid;
         let most = self.histogram.len() as u64 - 1;
@@ -107,7 +107,7 @@ impl<'a> Scene<'a> {
         Ok((with(room), budget))
     }
 
-    /// The largest number up to `most` whose storage fits; `least` says what 1 is.
+    /// The largest number up to `most` whose storage fits; `least` names what 1 stands for.
     fn largest(
         &self,
         most: u64,

@@ -1,11 +1,11 @@
-//! What an effect makes of a frame, and what it adds to the frame's report.
+//! Applying an effect to a frame, and what it adds to the frame's report.
 
 use super::{Effect, Report};
 use crate::effect::ldi::Voxels;
 use crate::effect::{self, Made, Stage};
 use crate::error::Result;
 
-/// Make it; the report is the method's own so far.
+/// Apply it; the report is the method's own so far.
 pub(super) fn make(effect: &Effect, stage: &Stage<'_>, report: &mut Report) -> Result<Made> {
     let mut made = effect::make(effect, stage)?;
     report.effect = effect.name().to_owned();
@@ -16,13 +16,13 @@ pub(super) fn make(effect: &Effect, stage: &Stage<'_>, report: &mut Report) -> R
     Ok(made)
 }
 
-/// Where there are no lists, only the picture that was composited is made.
+/// Without lists, there is only the picture that was composited.
 pub(super) fn none(effect: &Effect, report: &mut Report) -> Made {
     report.effect = effect.name().to_owned();
     Made::default()
 }
 
-/// That an effect which walks through solids has not seen all of their faces.
+/// Warns that an effect that walks through solids has not seen all of their faces.
 fn incomplete(effect: &Effect, report: &Report) -> Option<String> {
     let Report { method, generated, .. } = report;
     let missing = generated.saturating_sub(report.kept);

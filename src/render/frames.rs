@@ -1,4 +1,4 @@
-//! Several frames of a camera that goes once around the scene; and hash tables that grow and shrink with what they hold
+//! Several frames of a camera that circles the scene once, and hash tables that grow and shrink with their contents
 //! (HA-buffer paper, section 4.1.3).
 //!
 //! A frame's fragments are counted when the table is cleared for the next one, so that its size follows with a delay of
@@ -28,13 +28,13 @@ pub const MAX_FRAMES: u32 = 100_000;
 /// Stream of the frames' seeds.
 const FRAMES: u64 = 0xF3A3;
 
-/// When a hash table gets another size.
+/// When a hash table changes its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Resize {
     /// At the beginning of the next frame, as published.
     #[default]
     Latent,
-    /// Besides, a frame that lost fragments for want of room is drawn again with a larger table.
+    /// In addition, a frame that lost fragments for lack of room is drawn again with a larger table.
     AtOnce,
 }
 
@@ -43,7 +43,7 @@ pub enum Resize {
 pub struct Animation {
     /// How many, 1 to [`MAX_FRAMES`]: the camera stands at as many places on its circle.
     pub frames: u32,
-    /// When hash tables get another size.
+    /// When hash tables change their size.
     pub resize: Resize,
 }
 
@@ -54,7 +54,7 @@ pub struct AnimatedFrame {
     pub number: u32,
     /// How often it was drawn again.
     pub retries: u32,
-    /// What came of it in the end.
+    /// The final result.
     pub rendering: Rendering,
 }
 
@@ -64,9 +64,8 @@ pub struct AnimatedFrame {
 /// at a load of 80 %, and shrinks by a quarter at 30 %, never below the image on either axis. With `options.table.load`, it
 /// is sized for that load in every frame instead. Random offsets are drawn anew for every frame.
 ///
-/// # Errors
-/// As [`render()`]; a number of frames out of range; a frame that loses fragments whatever its table's size; and what
-/// `take` returns.
+/// # Errors As [`render()`]; a number of frames out of range; a frame that loses fragments whatever its table's size;
+/// an error from `take`.
 pub fn animate(
     scene: &Scene,
     options: &Options,
@@ -80,7 +79,7 @@ pub fn animate(
     }
     let contract = options.method.contract();
     let follows =
-        contract.crosses && options.table.load.is_none() && options.memory_budget.is_none();
+        contract.crosses() && options.table.load.is_none() && options.memory_budget.is_none();
     let mut size = follows.then(|| options.table.size.unwrap_or(scene.size));
     for number in 0..frames {
         let scene = seen_from(scene, f64::from(number) / f64::from(frames));
@@ -100,7 +99,7 @@ pub fn animate(
                     if cells(now) >= enough {
                         let [w, h] = now;
                         let problem = format!(
-                            "is {}, and frame {number} loses fragments beyond it also with {w}x{h} cells",
+                            "is {}, and frame {number} loses fragments beyond it even with {w}x{h} cells",
                             frame.table.ages
                         );
                         return Err(Error::new("--age-limit", problem));
@@ -132,7 +131,7 @@ fn enough(fragments: u64) -> u64 {
     (32 * fragments).min(MOST_CELLS)
 }
 
-/// The size after a frame that stored so many records.
+/// The size after a frame that stored this many records.
 fn next(size: [u32; 2], stored: u64, screen: [u32; 2]) -> [u32; 2] {
     let now = cells(size);
     if 100 * stored >= GROWS_AT * now {
@@ -140,13 +139,14 @@ fn next(size: [u32; 2], stored: u64, screen: [u32; 2]) -> [u32; 2] {
     }
     if 100 * stored <= SHRINKS_AT * now {
         let smaller = size_for(now * (100 - STEP) / 100, screen);
-        // Where the screen leaves no room, it stays.
+        // If the screen allows no smaller size, the size stays.
         return if cells(smaller) < now { smaller } else { size };
     }
     size
 }
 
-/// The scene after a part of the camera's way around its target. Near and far planes give way to what is drawn.
+/// The scene with the camera moved a part of the way around its target. Near and far planes are widened for what is
+/// drawn.
 fn seen_from(scene: &Scene, part: f64) -> Scene {
     let mut scene = scene.clone();
     if part == 0.0 {

@@ -85,12 +85,12 @@ fn place(name: &str) -> String {
     format!("input '{name}'")
 }
 
-/// Of every object.
+/// The number of triangles of every object.
 fn triangles(scene: &Scene) -> Vec<usize> {
     scene.objects.iter().map(|object| object.mesh.triangles.len()).collect()
 }
 
-/// The words of all inputs of a layout.
+/// Fill the words of all inputs of a layout.
 ///
 /// # Errors
 /// An input that the method does not have, or words of another number or kind.

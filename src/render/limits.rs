@@ -8,7 +8,7 @@ use crate::memory::Layout;
 use crate::raster::Grid;
 use crate::scheme::bound::Bound;
 
-/// What executors keep of every pixel besides the method's own storage, in bytes: colours, counts and offsets.
+/// What executors keep per pixel in addition to the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
 
 /// A kept fragment's bytes, by tile and then row by row.
@@ -21,13 +21,13 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
         let (name, most) = (job.contract.name, job.contract.max_pixels);
         let found = grid.storage_pixels();
         let problem = format!(
-            "the image has {found} pixels in whole tiles, but {name} tells at most {most} apart"
+            "the image has {found} pixels in whole tiles, but {name} can address at most {most}"
         );
         return Err(Error::new("--size", problem));
     }
     let pixels = match options.exec {
         Exec::Tile if job.contract.program.is_local() => job.threads * grid.pixels_per_tile(),
-        // Where pixels wait for each other, every tile keeps its memory from pass to pass.
+        // If pixels wait for each other, every tile keeps its memory from pass to pass.
         _ => grid.storage_pixels(),
     };
     let own = HOST_BYTES * grid.storage_pixels() as u64;
@@ -35,7 +35,7 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
     refuse_above(options, bytes, &format!("storage on '{}'", options.exec.name()))
 }
 
-/// Refuse lists that would not fit: at most k fragments of every pixel, and no more than are generated. Those are
+/// Refuse lists that would not fit: at most k fragments per pixel, and no more than are generated. Fragments are
 /// counted only if the primitives' bounding boxes do not already show that there is room.
 pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
     let grid = &job.front.grid;

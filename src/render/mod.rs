@@ -43,16 +43,16 @@ pub use reference::{Reference, reference};
 pub use report::{Report, ShadowReport};
 pub use table::{TableOptions, TableReport};
 
-/// Everything one frame gives.
+/// The result of one frame.
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// The picture.
     pub image: Image,
     /// What the pixels hold after resolve.
     pub kept: Kept,
-    /// With [`Effect::Csg`], those of them that are surfaces of the combination.
+    /// With [`Effect::Csg`], those fragments that are surfaces of the combination.
     pub surfaces: Option<Lists>,
-    /// With [`Effect::Ldi`], what is solid, if it was asked for.
+    /// With [`Effect::Ldi`], what is solid, if requested.
     pub voxels: Option<Voxels>,
     /// Accounting, counters, hashes, times.
     pub report: Report,
@@ -74,7 +74,7 @@ impl Rendering {
     }
 }
 
-/// That something needs lists of fragments, which a method does not give.
+/// The error for something that needs lists of fragments, which a method does not give.
 fn no_lists(method: &str, holds: HeldKind, place: &str) -> Error {
     let problem = format!("needs lists of fragments, but {method} gives {}", holds.name());
     Error::new(place, problem)
@@ -128,7 +128,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         (config, chosen) = (within, Some(budget));
     }
     config.grid = grid;
-    if contract.crosses {
+    if contract.crosses() {
         config.table = options.table.settings(config.generated, scene.size)?;
     }
     let k = config.k;
@@ -183,7 +183,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     Ok(Rendering { image, kept, surfaces, voxels, report, schedule, watched })
 }
 
-/// What the method must know of the scene, measured only if it must; and the fragments before each tile, and in all.
+/// What the method must know of the scene, measured only if needed; and the fragments before each tile, and in total.
 fn configure(front: &FrontEnd, method: Method, k: Option<u32>) -> (Config, Vec<u64>) {
     let contract = method.contract();
     let pixels = front.grid.storage_pixels() as u32;
@@ -208,7 +208,7 @@ fn configure(front: &FrontEnd, method: Method, k: Option<u32>) -> (Config, Vec<u
     (config, before_tile)
 }
 
-/// The words of a method's inputs, and how many of each pixel's nearest fragments it is held to.
+/// The words of a method's inputs, and how many of each pixel's nearest fragments it must keep.
 fn held_to(
     instance: Option<&dyn Instance>,
     scene: &Scene,
@@ -225,7 +225,7 @@ fn held_to(
     Ok((inputs, bound))
 }
 
-/// Everything that an interleaving and its result depend on, so that a schedule is not run on something else: the
+/// Everything that an interleaving and its result depend on, so that a schedule is not replayed on something else: the
 /// options, and every primitive with its surface. Computed only where a schedule is recorded or followed.
 fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     let Exec::Sim(sim) = &options.exec else { return 0 };
@@ -234,7 +234,7 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     }
     let Options { method, k, memory_budget, depth_format, data, table, .. } = options;
     let size = (front.grid.width, front.grid.height);
-    // The name that recorded schedules were made with.
+    // The name under which schedules were recorded.
     let table = format!("{table:?}").replacen("TableOptions", "HashOptions", 1);
     let head =
         format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?} {table}");
@@ -242,7 +242,7 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
 
-/// What an executor gave.
+/// The result of an executor.
 struct Executed {
     frame: Frame,
     bytes: u64,
@@ -299,11 +299,11 @@ fn scheduling(sim: &Sim, job: &Job<'_>, fingerprint: u64) -> policy::Scheduling 
     policy::Scheduling { policy, seed, resident, record, fingerprint, watch, check }
 }
 
-/// The report, but for what is known only after assembly.
+/// The report, except what is known only after assembly.
 fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Executed) -> Report {
     let (tally, contract) = (&executed.frame.tally, options.method.contract());
     let table = executed.frame.table.as_ref().map(TableReport::new);
-    // Beyond the largest age: where no cell is empty, for want of room, whatever the largest age.
+    // Beyond the largest age. If no cell is empty, the reason is lack of room, whatever the largest age.
     let full = table.as_ref().is_some_and(TableReport::is_full);
     let dropped = [
         (if full { "full" } else { "age" }, tally.age),
@@ -347,21 +347,21 @@ fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Execut
 fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
     names.extend(["bytes", "passes"]);
-    let open = contract.racy || contract.keeps == Keeps::Visible;
+    let open = contract.is_racy() || contract.keeps == Keeps::Visible;
     if !open {
         names.extend(["duplicated", "torn", "merged"]);
-        // Who takes a page that others would have filled depends on the order.
-        let settled = !contract.crosses || contract.settled_overflow;
+        // Which invocation takes a page that others would have filled depends on the order.
+        let settled = !contract.crosses() || contract.settles_overflow();
         if tally.dropped() == 0 || (contract.page == 1 && settled) {
             names.push("kept");
         }
-        // Two that are alike and find no room may be told apart on the way, or not.
-        if tally.dropped() == 0 || (contract.page == 1 && (!contract.crosses || tally.age == 0)) {
+        // Whether two equal fragments that find no room were told apart on the way depends on the order.
+        if tally.dropped() == 0 || (contract.page == 1 && (!contract.crosses() || tally.age == 0)) {
             names.push("dropped");
         }
     }
-    // What finds no room depends on arrival, whatever the contract says of the rest.
-    let unsettled = if contract.settled_overflow { 0 } else { tally.age };
+    // Which fragments find no room depends on arrival, whatever the contract says of the rest.
+    let unsettled = if contract.settles_overflow() { 0 } else { tally.age };
     if !open && tally.overflow + tally.pool + unsettled == 0 {
         names.extend(["image_hash", "fragments_hash"]);
     }
@@ -378,17 +378,18 @@ fn violations(contract: &Contract, executed: &Executed) -> Vec<String> {
     if let Some((checked, first)) = checked.as_ref().and_then(|c| Some((c, c.first.as_ref()?))) {
         found.push(format!("after {} of {} steps: {first}", checked.violations, checked.steps));
     }
-    // Who keeps one of every depth loses the others, and says so; so does a published form that loses some.
+    // A method that keeps one fragment of every depth loses the others, and says so; so does a published form that
+    // loses some.
     let loses = matches!(contract.keeps, Keeps::Layers | Keeps::Some);
     let lost = if loses { 0 } else { tally.lost };
-    let compared = contract.judged || contract.crosses;
-    if compared && !contract.racy && lost + tally.duplicated + tally.torn > 0 {
+    let compared = contract.is_judged() || contract.crosses();
+    if compared && !contract.is_racy() && lost + tally.duplicated + tally.torn > 0 {
         found.push(format!(
             "{lost} fragments lost, {} duplicated, {} torn",
             tally.duplicated, tally.torn
         ));
     }
-    if !compared && !contract.racy && tally.unbalanced > 0 {
+    if !compared && !contract.is_racy() && tally.unbalanced > 0 {
         found.push(format!(
             "{} pixels do not balance: {} fragments lost, {} duplicated, {} torn",
             tally.unbalanced, tally.lost, tally.duplicated, tally.torn

@@ -1,4 +1,4 @@
-//! What to draw with, and how; and whether it makes sense.
+//! What to draw with and how, and checks of these options.
 
 use crate::catalogue;
 use crate::effect::Effect;
@@ -25,7 +25,7 @@ pub struct Options {
     /// Fragments kept per pixel, at least 1; `None` is the method's own default (8 for k-buffers, all for `exact` and
     /// A-buffers).
     pub k: Option<u32>,
-    /// Who runs the invocations.
+    /// The executor of the invocations.
     pub exec: Exec,
     /// Worker threads, at most [`MAX_THREADS`]; 0 means one per core.
     pub threads: usize,
@@ -39,7 +39,7 @@ pub struct Options {
     pub data: Data,
     /// Which faces are not drawn.
     pub cull_face: CullFace,
-    /// What is made of the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
+    /// What is made from the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
     pub effect: Effect,
     /// Shadows by a second frame, from the light.
     pub shadows: Option<Shadows>,
@@ -88,12 +88,12 @@ impl Default for Options {
 pub struct Shadows {
     /// The map's edge in pixels, 1 to [`MAX_SIZE`]; `None` is the image's longer edge.
     pub size: Option<u32>,
-    /// How much nearer to the light a surface must be to throw a shadow, in world units, 0 or more; `None` is twice the
+    /// How much nearer to the light a surface must be to cast a shadow, in world units, 0 or more; `None` is twice the
     /// width of the map's pixels.
     pub bias: Option<f64>,
 }
 
-/// Who runs the invocations of a pass.
+/// The executor of a pass's invocations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Exec {
     /// Tiles in parallel; each owns its pixels' memory.
@@ -119,7 +119,7 @@ impl Exec {
 /// How the simulated device schedules.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sim {
-    /// Who goes next.
+    /// Which invocation goes next.
     pub policy: Policy,
     /// Seed of `Policy::Random` and `Policy::Pct`.
     pub seed: u64,
@@ -127,9 +127,9 @@ pub struct Sim {
     pub resident: usize,
     /// Record the schedule and return it.
     pub record: bool,
-    /// A pixel, column and row from the top left, whose fragments and steps are told.
+    /// A pixel, column and row from the top left, whose fragments and steps are reported.
     pub watch: Option<[u32; 2]>,
-    /// Look at memory after every step of the store pass, as far as the method says what must be true of it.
+    /// Check memory after every step of the store pass against the method's invariants, if it states any.
     pub check: bool,
 }
 
@@ -153,13 +153,14 @@ pub const MAX_THREADS: usize = 1_024;
 pub const MAX_RESIDENT: usize = 1 << 20;
 
 impl Options {
-    /// The words that the method stores of a fragment: what was asked for, or its own.
+    /// The words that the method stores of a fragment: those requested, or its own.
     #[must_use]
     pub fn record(&self) -> Record {
         self.method.contract().record(self.depth_format, self.data)
     }
 
-    /// The same by the oracle, in the words that this method stores: the k nearest fragments of every pixel, or all.
+    /// The same options for the oracle, in the words that this method stores: the k nearest fragments of every pixel,
+    /// or all.
     #[must_use]
     pub fn exact(&self, k: Option<u32>) -> Self {
         let Record { depth, data } = self.record();
@@ -206,7 +207,7 @@ impl Options {
             return wrong("--sub-pixel-bits", format!("is {bits}, but must be 8 or 4"));
         }
         self.table.check()?;
-        if let (Some(bytes), true) = (self.memory_budget, contract.crosses) {
+        if let (Some(bytes), true) = (self.memory_budget, contract.crosses()) {
             let sized = if self.table.load.is_some() { Some("--load") } else { None };
             if let Some(other) = sized.or(self.table.size.map(|_| "--table")) {
                 let problem = format!("{bytes} bytes, and {other}: both size the table, give one");
@@ -279,10 +280,10 @@ impl Options {
         }
         match &self.exec {
             Exec::Sim(Sim { record: true, .. }) => {
-                Err(Error::new("--record", "a schedule is of one frame, but --shadows draws two"))
+                Err(Error::new("--record", "a schedule covers one frame, but --shadows draws two"))
             }
             Exec::Sim(Sim { policy: Policy::Recorded(_), .. }) => {
-                Err(Error::new("--schedule", "is of one frame, but --shadows draws two"))
+                Err(Error::new("--schedule", "covers one frame, but --shadows draws two"))
             }
             _ => Ok(()),
         }

@@ -8,12 +8,12 @@ use crate::resolve::{Kept, Lists};
 use crate::scene::Scene;
 use crate::scheme::{Config, Held, HeldKind};
 
-/// What a method is held to on a scene.
+/// What a method must give on a scene.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// All fragments, in the words that the method stores.
     pub all: Lists,
-    /// What the pixels must hold, where room and arrival have no say; `None` if the method says nothing of what it
+    /// What the pixels must hold, where room and arrival do not matter; `None` if the method does not specify what it
     /// approximates.
     pub kept: Option<Kept>,
 }
@@ -47,7 +47,7 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     Ok(Reference { all, kept })
 }
 
-/// What all pixels must hold, row by row; `None` if that is not said of one.
+/// What all pixels must hold, row by row; `None` if it is unspecified for one of them.
 fn kept(all: &Lists, grid: &Grid, holds: HeldKind, promise: &Promise<'_>) -> Option<Kept> {
     let Lists { width, height, .. } = *all;
     let mut offsets = vec![0];

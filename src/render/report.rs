@@ -64,22 +64,22 @@ pub struct Report {
     pub max_depth_complexity: u32,
     /// Bytes of the method's storage for this image, by its own declaration.
     pub bytes: u64,
-    /// What a memory budget led to, if one was given.
+    /// The result of a memory budget, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
     /// The hash table, if the method has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<TableReport>,
-    /// Steps after which memory was looked at, if that was asked for.
+    /// Steps after which memory was checked, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checked: Option<u64>,
-    /// What was made of the lists: `oit`, `media`, `csg` or `ldi`.
+    /// What was made from the lists: `oit`, `media`, `csg` or `ldi`.
     pub effect: String,
     /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`), or
     /// more front than back faces or fewer (`media`). Objects that are closed are left out.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub open_pixels: BTreeMap<String, u64>,
-    /// Voxels that are inside, if they were asked for.
+    /// Voxels that are inside, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solid_voxels: Option<u64>,
     /// The frame from the light, if there was one.
@@ -87,7 +87,7 @@ pub struct Report {
     pub shadows: Option<ShadowReport>,
     /// Geometry passes of a round.
     pub passes: u32,
-    /// Rounds: how often passes and resolve were repeated. A schedule may change it, where rounds mend what races lost.
+    /// Rounds: how often passes and resolve were repeated. A schedule may change it if rounds repair what races lost.
     pub rounds: u32,
     /// SHA-256 of the picture.
     pub image_hash: String,

@@ -12,7 +12,7 @@ use crate::scene::{Bounds, Camera, Scene, Shading};
 /// The opacity of a colour word.
 const OPAQUE: u64 = 0xFF00_0000;
 
-/// A shadow map and how it came about, or nothing.
+/// A shadow map and how it was made, or nothing.
 #[derive(Default)]
 pub(super) struct Shadow {
     pub(super) map: Option<ShadowMap>,
@@ -31,7 +31,7 @@ pub(super) fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<S
     let Some(asked) = options.shadows else { return Ok(Shadow::default()) };
     if scene.objects.is_empty() {
         let problem = format!(
-            "{} has no objects, only triangles given in pixels, which have no place in the light",
+            "{} has no objects, only triangles given in pixels, which the light does not see",
             scene.name
         );
         return Err(Error::new("--shadows", problem));
@@ -50,7 +50,7 @@ pub(super) fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<S
     };
     let format = options.record().depth;
     let view = Lens::new(&scene.camera, scene.size, format);
-    // What is cut away throws no shadow, and what is left is opaque.
+    // What is cut away casts no shadow, and what is left is opaque.
     let lists = match &drawn.surfaces {
         Some(surfaces) => surfaces.cut(|_, keys| keys.iter_mut().for_each(|key| *key |= OPAQUE)),
         None => drawn.lists()?.clone(),
@@ -61,7 +61,7 @@ pub(super) fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<S
     Ok(Shadow { map: Some(map), outcome: Some(outcome) })
 }
 
-/// The scene as the light sees it: unlit colours, and nothing that has no place in the world.
+/// The scene as the light sees it: unlit colours, and only what has a place in the world.
 fn lit(scene: &Scene, camera: Camera, size: u32) -> Scene {
     let mut scene = Scene { camera, size: [size; 2], ..scene.clone() };
     scene.materials.iter_mut().for_each(|material| material.shading = Shading::Flat);
@@ -75,7 +75,7 @@ fn plain(options: &Options) -> Options {
         csg @ Effect::Csg(_) => (csg.clone(), Data::Primitive),
         _ => (Effect::Transparency, Data::Color),
     };
-    // A table that is sized for the image need not fit the light's.
+    // A table that is sized for the image need not fit the light's image.
     let table = TableOptions { size: None, ..options.table.clone() };
     let cull_face = CullFace::None;
     let mut plain = Options { data, cull_face, effect, shadows: None, table, ..options.clone() };
@@ -86,7 +86,7 @@ fn plain(options: &Options) -> Options {
 }
 
 impl Outcome {
-    /// What depends on the map is as sure as the map is.
+    /// What depends on the map is as deterministic as the map is.
     pub(super) fn add_to(self, report: &mut Report) {
         if !self.deterministic.iter().any(|field| field == "fragments_hash") {
             report.deterministic.retain(|field| !field.ends_with("_hash"));
@@ -94,7 +94,7 @@ impl Outcome {
         let missing = self.report.generated.saturating_sub(self.report.kept);
         if missing > 0 {
             report.warnings.push(format!(
-                "shadows: {} did not keep {missing} of {} fragments that the light sees, which throw none",
+                "shadows: {} did not keep {missing} of {} fragments that the light sees; these cast no shadow",
                 report.method, self.report.generated
             ));
         }

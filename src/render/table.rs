@@ -1,4 +1,4 @@
-//! How hash tables are made for a scene, and what is reported of them.
+//! How hash tables are made for a scene, and what is reported about them.
 
 use serde::Serialize;
 
@@ -14,12 +14,12 @@ use crate::scheme::hash_table::table::{
 /// How a hash table is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableOptions {
-    /// The share of cells that fragments shall fill, in per cent, 1 to 100. A table is at least as large as the image on
-    /// each axis, so that the load that is reached may be lower. `None` is 50.
+    /// The share of cells to be filled by fragments, in per cent, 1 to 100. A table is at least as large as the image
+    /// on each axis, so the actual load may be lower. `None` is 50.
     pub load: Option<u32>,
     /// Cells across and down, instead; at least the image's pixels on each axis.
     pub size: Option<[u32; 2]>,
-    /// Where ages lead to.
+    /// Where ages lead.
     pub offsets: Offsets,
     /// The seed of the offsets.
     pub seed: u64,
@@ -66,12 +66,12 @@ impl TableOptions {
         Ok(())
     }
 
-    /// The transmittance, of 65,535, below which an opacity is above the threshold.
+    /// The transmittance (65,535 is all) below which the opacity is above the threshold.
     pub(super) fn opaque(&self) -> u16 {
         ((1.0 - self.threshold) * 65_535.0).ceil().min(65_535.0) as u16
     }
 
-    /// What a scheme is configured with, for so many fragments.
+    /// The settings of a scheme for this many fragments.
     pub(super) fn settings(&self, fragments: u64, image: [u32; 2]) -> Result<TableSettings> {
         let size = self
             .size
@@ -113,7 +113,7 @@ impl TableOptions {
     }
 }
 
-/// What is reported of a hash table.
+/// What is reported about a hash table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TableReport {
     /// Cells across.
@@ -154,9 +154,9 @@ impl TableReport {
     }
 }
 
-/// Options of hash tables that a method without one does not heed.
+/// A warning about options of hash tables for a method that has none.
 pub(super) fn idle(options: &Options, contract: &Contract) -> Option<String> {
     let given = options.table.given();
-    let (none, name) = (given.is_empty() || contract.crosses, contract.name);
+    let (none, name) = (given.is_empty() || contract.crosses(), contract.name);
     (!none).then(|| format!("{} has no effect: {name} has no hash table", given.join(", ")))
 }

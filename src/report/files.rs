@@ -1,5 +1,5 @@
-//! Output files appear whole or not at all: checked before the work starts, written beside their place under
-//! a temporary name, and renamed when complete.
+//! Output files appear whole or not at all: checked before the work starts, written next to their destination under a
+//! temporary name, and renamed when complete.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, Write};
@@ -36,7 +36,7 @@ pub fn check_folder(option: &str, path: &Path) -> Result<()> {
     if path.is_dir() { Ok(()) } else { Err(wrong(option, path, "must be a folder that exists")) }
 }
 
-/// Write `path` with what `fill` produces; on any error nothing is left behind, and what was there stays.
+/// Write `path` with what `fill` produces; on any error nothing is left behind, and the old file stays.
 ///
 /// # Errors
 /// The path and the operating system's reason.
@@ -47,7 +47,7 @@ where
     try_write(path, fill).map_err(|error| Error::new(path.display().to_string(), error.to_string()))
 }
 
-/// Write `path` with these bytes, under the same promise as [`write()`].
+/// Write `path` with these bytes, with the same guarantee as [`write()`].
 ///
 /// # Errors
 /// The path and the operating system's reason.

@@ -14,7 +14,7 @@ use crate::scheme::Record;
 /// Bytes gathered before a write.
 const CHUNK: usize = 1 << 16;
 
-/// What is written of a frame's pixels.
+/// What is written for a frame's pixels.
 #[derive(Clone, Copy, Debug)]
 pub enum Written<'a> {
     /// [`write()`].
@@ -24,10 +24,10 @@ pub enum Written<'a> {
 }
 
 impl<'a> Written<'a> {
-    /// What `kept` has of lists.
+    /// What can be written of `kept`.
     ///
     /// # Errors
-    /// It has none.
+    /// `kept` has no lists.
     pub fn of(kept: &'a Kept, method: &str) -> Result<Self> {
         match kept {
             Kept::Fragments(lists) => Ok(Self::Fragments(lists)),
@@ -67,8 +67,8 @@ pub fn write<W: Write + Seek>(out: W, lists: &Lists) -> io::Result<()> {
     Ok(())
 }
 
-/// Write merged records: as [`write()`], with the colour as RGBA8 in `data`; and besides `thickness` (f64, world units),
-/// `rgba` (f64, records x 4, premultiplied) and `weight` (f64, fragments).
+/// Write merged records: as [`write()`], with the colour as RGBA8 in `data`; and in addition `thickness` (f64, world
+/// units), `rgba` (f64, records x 4, premultiplied) and `weight` (f64, fragments).
 ///
 /// # Errors
 /// What `out` reports.

@@ -73,7 +73,7 @@ fn row(row: &Finding) -> Vec<String> {
     ]
 }
 
-/// Every result of some instances.
+/// Every result of several instances.
 #[must_use]
 pub fn outcomes(rows: &[Finding]) -> String {
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Figures 5 and 8 of the HA-buffer paper: what an insertion costs as the table fills up, and as lists become long.
+//! Figures 5 and 8 of the HA-buffer paper: the cost of an insertion as the table fills up, and as lists grow.
 
 use super::plot::{Curve, Plot};
 use super::{Outcome, Scale};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::render::{Data, Options, Report, TableOptions, render};
 use crate::scene::{self, Overrides, Scene};
 
-/// Loads of Figure 5, in per cent: it begins with about 95, and the table grows.
+/// Loads of Figure 5, in per cent: it begins at about 95, and the table grows.
 const LOADS: [u32; 13] = [95, 93, 90, 87, 84, 80, 75, 70, 60, 50, 40, 30, 20];
 
 /// Squares of Figure 8.
@@ -132,12 +132,12 @@ pub(super) fn loads(scale: &Scale) -> Result<Outcome> {
         y: "probes per fragment",
         curves,
     };
-    let columns = columns("load asked for (%)");
+    let columns = columns("requested load (%)");
     let (plot, differences) = (Some(plot), Vec::new());
     Ok(Outcome { experiment: "ha-fig5", summary, columns, rows, plot, differences })
 }
 
-/// Figure 8: with and without early culling, by how far squares are together.
+/// Figure 8: with and without early culling, by how close the squares are.
 pub(super) fn stack(scale: &Scale) -> Result<Outcome> {
     let size = Overrides { size: Some([scale.edge; 2]), ..Overrides::default() };
     let mut rows = Vec::new();
@@ -155,7 +155,7 @@ pub(super) fn stack(scale: &Scale) -> Result<Outcome> {
     }
     let last = rows.len().saturating_sub(2);
     let summary = format!(
-        "with all squares on each other, an insertion makes {} probes; with early culling, {}",
+        "with all squares on top of each other, an insertion makes {} probes; with early culling, {}",
         rows.get(last).map(|row| row[4].clone()).unwrap_or_default(),
         rows.get(last + 1).map(|row| row[4].clone()).unwrap_or_default()
     );

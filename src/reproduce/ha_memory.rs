@@ -1,8 +1,8 @@
-//! Table 1 of the HA-buffer paper: memory in MiB for a screen of 1024x1024, by its formulas (section 6.2), and the bytes
-//! that our methods really declare.
+//! Table 1 of the HA-buffer paper: memory in MiB for a screen of 1024x1024, by its formulas (section 6.2), and the
+//! bytes that our methods actually declare.
 //!
-//! The paper counts fragments of 56 bits (depth 24, RGBA 32) and pointers of 32; ours have 32-bit depths where the method
-//! allows it, and what its form needs besides (locks, counters, blocks of prefix sums), so they are larger.
+//! The paper counts fragments of 56 bits (depth 24, RGBA 32) and pointers of 32; ours have 32-bit depths where the
+//! method allows it, and need more for their form (locks, counters, blocks of prefix sums), so they are larger.
 
 use super::{Outcome, Scale};
 use crate::catalogue::method;
@@ -116,17 +116,17 @@ pub(super) fn table(_: &Scale) -> Result<Outcome> {
         "ours (bytes)",
     ];
     let summary =
-        format!("{right} of {} printed values come out of the paper's formulas", rows.len());
+        format!("{right} of {} printed values follow from the paper's formulas", rows.len());
     Ok(Outcome { experiment: "ha-table1", summary, columns, rows, plot: None, differences })
 }
 
 impl Technique {
-    /// A scene of so many fragments, as our method is told of it.
+    /// The configuration of our method for a scene with this many fragments.
     fn config(&self, fragments: u64) -> Config {
         let grid = Grid { width: EDGE, height: EDGE, tile: 64 };
         let pixels = grid.storage_pixels() as u32;
         let pages = (fragments as f64 / PAGE + self.spare * f64::from(pixels)).ceil() as u64;
-        // A table as large as the load asks for, also where that is smaller than the screen, as in the paper's table.
+        // A table as large as the load requires, even where that is smaller than the screen, as in the paper's table.
         let cells = (fragments * 100).div_ceil(u64::from(self.load.max(1)));
         let mut size = size_for_load(fragments, self.load.max(1), [EDGE; 2]);
         if cells < u64::from(pixels) {

@@ -1,8 +1,8 @@
-//! The papers' tables and figures: theirs beside ours.
+//! The papers' tables and figures: theirs next to ours.
 //!
-//! An [`Experiment`] gives a table, which is written as CSV, and, where the paper draws curves, a plot as SVG. What is counted
-//! (probes, atomic operations, ages, bytes) is the same everywhere; seconds are this machine's, and only their course is
-//! comparable.
+//! An [`Experiment`] gives a table, which is written as CSV, and, where the paper draws curves, a plot as SVG. What is
+//! counted (probes, atomic operations, ages, bytes) is the same everywhere; seconds are this machine's, and only their
+//! trend is comparable.
 
 mod ha_figures;
 mod ha_memory;
@@ -25,7 +25,7 @@ pub struct Experiment {
     run: fn(&Scale) -> Result<Outcome>,
 }
 
-/// How large an experiment is.
+/// The scale of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     /// Pixels of the picture on each side, where the experiment draws one.
@@ -34,7 +34,7 @@ pub struct Scale {
     pub repeats: u32,
 }
 
-/// What an experiment gives.
+/// The result of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// The experiment's name.
@@ -48,7 +48,7 @@ pub struct Outcome {
     /// The curves, if there are any.
     #[serde(skip)]
     pub plot: Option<Plot>,
-    /// Values that should be the paper's and are not.
+    /// Values that should equal the paper's and do not.
     pub differences: Vec<String>,
 }
 
@@ -77,7 +77,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
 /// The experiment of that name.
 ///
 /// # Errors
-/// There is none; the message lists those there are.
+/// No experiment has that name; the message lists those that exist.
 pub fn experiment(name: &str) -> Result<&'static Experiment> {
     EXPERIMENTS.iter().find(|experiment| experiment.name == name).ok_or_else(|| {
         let names: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();

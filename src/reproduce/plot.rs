@@ -20,7 +20,7 @@ impl Curve {
 /// Curves with common axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plot {
-    /// Above it.
+    /// The title above the drawing.
     pub title: &'static str,
     /// The horizontal axis, with its unit.
     pub x: &'static str,
@@ -36,7 +36,7 @@ const RIGHT: f64 = 20.0;
 const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
 
-/// Colours that stay apart for most eyes (Okabe, Ito 2008).
+/// Colours that most eyes can distinguish (Okabe, Ito 2008).
 const COLORS: [&str; 5] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000"];
 
 impl Plot {

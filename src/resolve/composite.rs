@@ -4,9 +4,9 @@
 //! C += (T a c + 32,512) / 65,025, then T = (T (255 - a) + 127) / 255; last the background b: C += (T b + 32,767) /
 //! 65,535. Division truncates, sums saturate at 65,535.
 //!
-//! Merged records are composited by the same rule from their real-valued colours: each product is rounded to the nearest
-//! integer. For a record that is one surface of an RGBA8 colour that is the same integer (65,025 and 255 are odd, so no
-//! product lies half-way between two, and a half is much farther away than f64 errs).
+//! Merged records are composited by the same rule from their real-valued colours: each product is rounded to the
+//! nearest integer. For a record that is one surface of an RGBA8 colour, this is the same integer (65,025 and 255 are
+//! odd, so no product lies half-way between two, and a half is much farther away than f64 errs).
 
 use crate::num::color::srgb;
 use crate::scheme::{Light, Record};
@@ -50,7 +50,7 @@ impl Ray {
         self.transmittance = whole(light * (1.0 - alpha));
     }
 
-    /// What a colour with a transmittance is to the eye.
+    /// A ray with the colour and transmittance of `light`.
     #[inline]
     #[must_use]
     pub fn of_light(light: &Light) -> Self {
@@ -87,7 +87,7 @@ impl Ray {
     }
 }
 
-/// The nearest integer of 16 bits; of no number, 0.
+/// The nearest integer of 16 bits; 0 for NaN.
 #[inline]
 fn whole(x: f64) -> u32 {
     (x + 0.5).clamp(0.0, ALL + 0.5) as u32
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Every transmittance, with the factors that come nearest to a half.
+    /// Every transmittance, with the factors that come closest to a half.
     #[test]
     fn no_transmittance_rounds_otherwise() {
         for transmittance in 0..=65_535 {

@@ -44,7 +44,7 @@ pub fn records_hash(lists: &Lists<Record>) -> String {
     hex(&hasher.finalize())
 }
 
-/// What every digest of lists begins with.
+/// The beginning of every digest of lists.
 fn head<T>(lists: &Lists<T>) -> Sha256 {
     let mut hasher = Sha256::new();
     hasher.update(lists.width.to_le_bytes());

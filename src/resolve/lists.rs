@@ -29,7 +29,7 @@ impl<T> Lists<T> {
 }
 
 impl<T: Copy> Lists<T> {
-    /// What remains when `keep` has cut every pixel's list; it is told the pixel's number, row by row.
+    /// What remains after `keep` has cut every pixel's list; `keep` gets the pixel's number, row by row.
     #[must_use]
     pub fn cut(&self, keep: impl Fn(usize, &mut Vec<T>)) -> Self {
         let (mut offsets, mut entries) = (vec![0], Vec::new());
@@ -55,7 +55,7 @@ pub enum Kept {
 }
 
 impl Kept {
-    /// Which of them.
+    /// Which kind it is.
     #[must_use]
     pub fn kind(&self) -> HeldKind {
         match self {
@@ -65,7 +65,7 @@ impl Kept {
         }
     }
 
-    /// The lists of fragments, if that is what they are.
+    /// The lists of fragments, if it is those.
     #[must_use]
     pub fn fragments(&self) -> Option<&Lists> {
         match self {

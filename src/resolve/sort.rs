@@ -1,10 +1,10 @@
 //! Sorting a pixel's keys into canonical order, front to back. Equal keys are identical fragments, so any correct sort
 //! gives the same list.
 
-/// Up to here insertion sort is the faster one.
+/// Up to this length insertion sort is faster.
 const INSERTION: usize = 20;
 
-/// Up to here the k+-buffer paper uses insertion sort, and shell sort above (section 3.2, Algorithm 3).
+/// Up to this length the k+-buffer paper uses insertion sort, and shell sort above (section 3.2, Algorithm 3).
 const PUBLISHED_INSERTION: usize = 16;
 
 /// The gaps of shell sort (Ciura 2001); above, each is 2.25 times the one before.

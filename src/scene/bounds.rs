@@ -60,8 +60,8 @@ impl Bounds {
         })
     }
 
-    /// This box, or one around its middle where it is empty or too small for its distance from the origin to
-    /// be told from a point.
+    /// This box, or one around its middle where it is empty or too small for its distance from the origin to be
+    /// distinguished from a point.
     #[must_use]
     pub(super) fn thickened(self) -> Self {
         if self.min.x > self.max.x {

@@ -20,7 +20,7 @@ const VIEW_FROM: DVec3 = DVec3::new(0.55, 0.4, 1.0);
 /// How much room default views leave: distances are larger than necessary by this factor.
 const MARGIN: f64 = 1.05;
 
-/// The share of ambient light where a scene does not say.
+/// The share of ambient light where a scene gives none.
 pub const AMBIENT: f32 = 0.2;
 
 impl Camera {
@@ -86,7 +86,7 @@ impl Camera {
     pub fn of_light(bounds: Bounds, towards: DVec3) -> Self {
         let bounds = bounds.thickened();
         let (target, a) = (bounds.center(), towards.abs());
-        // Any axis that is not along the light will do; the one that is least so is the safest.
+        // Any axis that is not along the light works; the one least along it is the safest.
         let up = match (a.x <= a.y && a.x <= a.z, a.y <= a.z) {
             (true, _) => DVec3::X,
             (_, true) => DVec3::Y,
@@ -182,7 +182,7 @@ impl Camera {
         Ok(())
     }
 
-    /// Right, up and back: unit vectors in world space, or zero where `up` is parallel to the line of sight.
+    /// Right, up and back: unit vectors in world space, or zero if `up` is parallel to the line of sight.
     #[must_use]
     pub fn axes(&self) -> [DVec3; 3] {
         let back = (self.eye - self.target).normalize_or_zero();

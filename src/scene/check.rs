@@ -122,7 +122,7 @@ fn light(place: &str, scene: &Scene) -> Result<()> {
 fn check_object(place: &str, index: usize, object: &Object, materials: usize) -> Result<()> {
     let wrong = |problem: &str| Err(Error::new(place, format!("object {index}: {problem}")));
     if object.material >= materials {
-        return wrong("material: there is no such one");
+        return wrong("material: there is no such material");
     }
     mesh(place, &object.mesh)?;
     if !object.transform.is_finite() {

@@ -1,4 +1,4 @@
-//! A scene before it is checked: what its source says, what the command line says over it, and what is missing.
+//! A scene before it is checked: what its source gives, what the command line overrides, and what is missing.
 
 use glam::DVec3;
 use serde::Deserialize;
@@ -8,13 +8,13 @@ use super::model::{GREY, Model};
 use super::{Bounds, Camera, Light, Material, Projection, Scene, Shading, check};
 use crate::error::Result;
 
-/// Width and height of images where nothing is said, in pixels.
+/// Width and height of images where none are given, in pixels.
 pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
-/// The background where a scene does not say: white.
+/// The background where a scene gives none: white.
 pub const DEFAULT_BACKGROUND: [f32; 3] = [1.0; 3];
 
-/// What the command line says about a scene, over what its file says.
+/// What the command line sets about a scene; it overrides the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Width and height of the image in pixels.

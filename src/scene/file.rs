@@ -1,5 +1,5 @@
-//! Scene files: TOML with a camera, a light, materials, objects and `screen` triangles. Every key is known or an
-//! error. [`parse`] looks at nothing but the text; [`Description::build`] then asks its caller for the models.
+//! Scene files: TOML with a camera, a light, materials, objects and `screen` triangles. An unknown key is an error.
+//! [`parse`] looks only at the text; [`Description::build`] then asks its caller for the models.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::{
 };
 use crate::error::{Error, Result};
 
-/// A scene file that is right as far as its text goes.
+/// A scene file whose text is valid.
 #[derive(Clone, Debug)]
 pub struct Description {
     place: String,
@@ -30,7 +30,7 @@ pub enum Source<'a> {
     Procedural {
         /// Its name.
         name: &'a str,
-        /// What is set about it.
+        /// Its settings.
         keys: &'a BTreeMap<String, toml::Value>,
         /// The image's width and height in pixels.
         size: [u32; 2],
@@ -152,7 +152,7 @@ impl Description {
         self.table.material.iter().position(|material| material.name == name)
     }
 
-    /// All that can be said without the models.
+    /// All checks that do not need the models.
     fn check(&self) -> Result<()> {
         let (place, table) = (self.place.as_str(), &self.table);
         check::size(place, table.size.unwrap_or([1, 1]))?;

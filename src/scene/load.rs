@@ -10,15 +10,15 @@ use super::procedural::{self, Builtin};
 use super::{Scene, gltf, names, obj, ply};
 use crate::error::{Error, Result};
 
-/// The opacity of a mesh file's surfaces that would be opaque.
+/// The opacity given to surfaces of a mesh file that would be opaque.
 pub const MESH_ALPHA: f32 = 0.5;
 
 /// Loads a scene: a mesh file (`.obj`, `.gltf`, `.glb`, `.ply`), a scene file (`.toml`), or a built-in scene's
 /// name, optionally with keys as in `layers:count=64,alpha=0.25`.
 ///
-/// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none
-/// given) become half transparent ([`MESH_ALPHA`]), since opaque surfaces are not what this program is about;
-/// an opacity below 1 is kept. In a scene file, a mesh file's own materials count as they are.
+/// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none given)
+/// become half transparent ([`MESH_ALPHA`]), since this program is not about opaque surfaces; an opacity below 1 is
+/// kept. In a scene file, a mesh file's own materials are kept unchanged.
 ///
 /// # Errors
 /// Names the file, option or scene, the field, and what would be right.

@@ -33,7 +33,7 @@ pub use self::procedural::Builtin;
 /// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What reports call it: the file's or the generator's name.
+    /// Its name in reports: the file's or the generator's name.
     pub name: String,
     /// Width and height of the image in pixels, each 1 to [`MAX_SIZE`].
     pub size: [u32; 2],
@@ -123,10 +123,10 @@ pub enum Shading {
     Gooch,
 }
 
-/// A mesh somewhere in the world. Meshes of one name are one solid to effects that know insides from outsides.
+/// A mesh somewhere in the world. Meshes of one name are one solid to effects that distinguish inside from outside.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// As effects call it; what [`names`] says makes one.
+    /// Its name for effects; see [`names`].
     pub name: String,
     /// Shared, since scenes repeat meshes.
     pub mesh: Arc<Mesh>,

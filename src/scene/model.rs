@@ -66,7 +66,7 @@ impl Model {
         self.warnings.extend(other.warnings);
     }
 
-    /// Calls every mesh that has no name yet `name`, so that all of them are one object.
+    /// Names every mesh that has no name yet `name`, so that all of them are one object.
     pub(super) fn call(&mut self, name: &str) {
         let nameless = self.objects.iter_mut().filter(|object| object.name.is_empty());
         nameless.for_each(|object| name.clone_into(&mut object.name));

@@ -38,7 +38,7 @@ fn utf8<'a>(bytes: &'a [u8], place: &str) -> Result<&'a str> {
     })
 }
 
-/// The lines `tobj` shall see, and what is known about the file so far.
+/// The lines that `tobj` will see, and what is known about the file so far.
 #[derive(Default)]
 struct Sifted<'a> {
     place: &'a str,
@@ -252,7 +252,7 @@ fn mtl(bytes: &[u8], place: &str) -> Result<Vec<tobj::Material>> {
         let checked = match keyword {
             "newmtl" if rest.is_empty() => Err("newmtl: needs a name".to_owned()),
             "newmtl" => Ok(Vec::new()),
-            // The other forms give a spectrum or CIE coordinates, which nobody writes.
+            // The other forms give a spectrum or CIE coordinates, which are not used in practice.
             "Kd" if rest.starts_with("spectral") || rest.starts_with("xyz") => continue,
             "Kd" => numbers(rest, "Kd", 1..=3),
             "d" | "Tr" => numbers(rest.trim_start_matches("-halo"), keyword, 1..=1),

@@ -202,7 +202,7 @@ impl PropertyAccess for Face {
     }
 }
 
-/// An element that nobody draws.
+/// An element that is not drawn.
 struct Skipped;
 
 impl PropertyAccess for Skipped {

@@ -1,15 +1,16 @@
 //! Contracts: what a method promises, as data.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::bound::Bound;
+use super::listed::Listed;
 use crate::fragment::{Data, depth_of};
 use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 
 /// What a method promises.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contract {
     /// The name on the command line, with `@variant` if any.
     pub name: &'static str,
@@ -34,29 +35,18 @@ pub struct Contract {
     pub published_words: Option<&'static str>,
     /// What a pixel holds after resolve.
     pub keeps: Keeps,
-    /// Whether fragments of a pixel that are wholly alike, in depth and data, are all kept; else one of them is.
-    pub identical: bool,
-    /// Whether an invocation may end with a fragment of another pixel: what is dropped is known for the frame only, and
-    /// where anything was, the accounting compares lists.
-    pub crosses: bool,
-    /// Whether it does not depend on arrival either what finds no room.
-    pub settled_overflow: bool,
+    /// How many it keeps of a pixel's fragments that are wholly alike.
+    pub alike: Alike,
     /// Under which condition that equals the exact answer.
     pub exact_when: &'static str,
-    /// Whether the result may depend on the order in which fragments arrive.
-    pub arrival_dependent: bool,
-    /// Whether it may depend on how concurrent invocations interleave, even for a given order of arrival: fragments
-    /// may be lost, doubled or torn, and the run is judged against the generated multiset.
-    pub racy: bool,
-    /// Whether, racy or not, the depths that it keeps are the exact ones, and every record is a fragment's: only which
-    /// of several fragments of equal depth stands for them may vary.
-    pub right_depths: bool,
-    /// Whether its invocations cannot say what became of their fragments: the accounting compares lists instead.
-    pub judged: bool,
+    /// What the result may depend on.
+    pub dependence: Dependence,
+    /// How it is known what became of a fragment.
+    pub accounting: Accounting,
     /// What happens to fragments of equal depth.
     pub ties: &'static str,
     /// What happens when there is no room.
-    pub overflow: &'static str,
+    pub overflow: Overflow,
     /// Memory orderings and device features it needs.
     pub needs: &'static str,
     /// How WGSL can express it; `None` if it cannot.
@@ -78,11 +68,98 @@ pub struct Contract {
     pub demand: Demand,
     /// Fragments for which one index of its pool is, if it has one.
     pub page: u32,
-    /// Whether it needs the ordered interlock: each fragment then knows its rank among its pixel's, in API order.
-    pub interlock: bool,
+    /// In which order its store invocations enter.
+    pub entry: Entry,
     /// The text of its source file, by `include_str!`: from it, a check knows which operations there are to be reached.
-    #[serde(skip)]
     pub source: &'static str,
+}
+
+/// How many are kept of a pixel's fragments that are wholly alike, in depth and data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alike {
+    /// All of them.
+    Each,
+    /// One of them; the others are counted as duplicates.
+    Once,
+}
+
+/// What a result may depend on, besides the fragments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dependence {
+    /// Nothing.
+    Nothing,
+    /// The order in which fragments arrive.
+    Arrival,
+    /// How concurrent invocations interleave, even for a given order of arrival: fragments may be lost, doubled or torn,
+    /// and a run is judged against the generated multiset.
+    Interleaving,
+    /// Both.
+    ArrivalAndInterleaving,
+    /// Both, but only in which of several fragments of equal depth stands for them: the depths that are kept are the
+    /// exact ones, and every record is a fragment's.
+    Ties,
+}
+
+impl Dependence {
+    /// It may depend on the order of arrival.
+    #[must_use]
+    pub const fn on_arrival(self) -> bool {
+        matches!(self, Self::Arrival | Self::ArrivalAndInterleaving | Self::Ties)
+    }
+
+    /// It may depend on how invocations interleave.
+    #[must_use]
+    pub const fn on_interleaving(self) -> bool {
+        matches!(self, Self::Interleaving | Self::ArrivalAndInterleaving | Self::Ties)
+    }
+
+    /// The same, and on how invocations interleave.
+    #[must_use]
+    pub const fn racy(self) -> Self {
+        if self.on_arrival() { Self::ArrivalAndInterleaving } else { Self::Interleaving }
+    }
+}
+
+/// How it is known what became of a fragment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accounting {
+    /// Its own invocation reports it.
+    Reported,
+    /// Invocations cannot tell: the accounting compares lists.
+    Judged,
+    /// An invocation may end with a fragment of another pixel: what is dropped is known for the frame only, and where
+    /// anything was, the accounting compares lists.
+    Crossing,
+}
+
+/// What happens when there is no room, with the words that describe it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overflow {
+    /// There is room for all that the method promises to keep.
+    Never(&'static str),
+    /// What finds no room is dropped and counted; what that is may depend on arrival.
+    Drops(&'static str),
+    /// As above, but what finds no room is settled by the fragments alone.
+    Settled(&'static str),
+}
+
+impl Overflow {
+    /// The description.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Never(text) | Self::Drops(text) | Self::Settled(text) => text,
+        }
+    }
+}
+
+/// In which order store invocations enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Any.
+    Free,
+    /// By the ordered interlock: each fragment knows its rank among its pixel's, in API order.
+    Interlock,
 }
 
 /// What runs between clear and resolve: passes in this order, each behind a barrier.
@@ -275,51 +352,110 @@ pub enum Demand {
 }
 
 impl Contract {
-    /// What most methods have in common: one store pass, nothing asked of the scene, and no dependence on order. The
-    /// rest is for the method to say.
-    pub const BASE: Self = Self {
-        name: "",
-        title: "",
-        paper: "",
-        section: "",
-        form: Form::Correct,
-        program: Program::STORE,
-        words: "0",
-        frame_words: "0",
-        published_words: None,
-        keeps: Keeps::Nearest,
-        identical: true,
-        crosses: false,
-        settled_overflow: false,
-        exact_when: "always",
-        arrival_dependent: false,
-        racy: false,
-        right_depths: false,
-        judged: false,
-        page: 1,
-        ties: "canonical: the smaller data word is nearer",
-        overflow: "none",
-        needs: "",
-        wgsl: None,
-        depth_format: None,
-        depth_bits: 32,
-        data: None,
-        default_k: Some(8),
-        max_k: u32::MAX / 4,
-        max_pixels: u32::MAX,
-        demand: Demand::Nothing,
-        interlock: false,
-        source: "",
-    };
+    /// A method of this name that keeps that. All the rest has a default: one store pass, reported outcomes, a result
+    /// that depends on nothing but the fragments, nothing asked of the scene; and, by what it keeps, whether it takes
+    /// `-k` and what becomes of ties.
+    ///
+    /// ```
+    /// use fragloom::scheme::{Contract, Keeps};
+    ///
+    /// const CONTRACT: Contract = Contract { words: "2k + 1", ..Contract::new("mine", Keeps::Nearest) };
+    /// assert_eq!(CONTRACT.default_k, Some(8));
+    /// ```
+    #[must_use]
+    pub const fn new(name: &'static str, keeps: Keeps) -> Self {
+        let (takes_k, all, overflow) = match keeps {
+            Keeps::All | Keeps::FirstArrivals | Keeps::Visible | Keeps::Some => {
+                (false, true, "none")
+            }
+            Keeps::One => (false, false, "none"),
+            Keeps::NearestBy(_) => (false, false, "the farthest is evicted"),
+            Keeps::Nearest | Keeps::Layers => (true, false, "the farthest is evicted"),
+            Keeps::Merged | Keeps::Approximate(_) => (true, false, "none"),
+        };
+        Self {
+            name,
+            title: "",
+            paper: "",
+            section: "",
+            form: Form::Correct,
+            program: Program::STORE,
+            words: "0",
+            frame_words: "0",
+            published_words: None,
+            keeps,
+            alike: Alike::Each,
+            exact_when: "always",
+            dependence: Dependence::Nothing,
+            accounting: Accounting::Reported,
+            page: 1,
+            ties: if all {
+                "all kept; canonical after resolve"
+            } else {
+                "canonical: the smaller data word is nearer"
+            },
+            overflow: Overflow::Never(overflow),
+            needs: "",
+            wgsl: None,
+            depth_format: None,
+            depth_bits: 32,
+            data: None,
+            default_k: if takes_k { Some(8) } else { None },
+            max_k: if takes_k { u32::MAX / 4 } else { u32::MAX },
+            max_pixels: u32::MAX,
+            demand: Demand::Nothing,
+            entry: Entry::Free,
+            source: "",
+        }
+    }
 
-    /// What keeps all: no `-k`.
-    pub const BASE_ALL: Self = Self {
-        keeps: Keeps::All,
-        ties: "all kept; canonical after resolve",
-        default_k: None,
-        max_k: u32::MAX,
-        ..Self::BASE
-    };
+    /// The result may depend on how concurrent invocations interleave.
+    #[must_use]
+    pub const fn is_racy(&self) -> bool {
+        self.dependence.on_interleaving()
+    }
+
+    /// The result may depend on the order of arrival.
+    #[must_use]
+    pub const fn is_arrival_dependent(&self) -> bool {
+        self.dependence.on_arrival()
+    }
+
+    /// Racy or not, the depths that it keeps are the exact ones, and every record is a fragment's.
+    #[must_use]
+    pub const fn has_right_depths(&self) -> bool {
+        matches!(self.dependence, Dependence::Ties)
+    }
+
+    /// An invocation may end with a fragment of another pixel.
+    #[must_use]
+    pub const fn crosses(&self) -> bool {
+        matches!(self.accounting, Accounting::Crossing)
+    }
+
+    /// The accounting compares lists, for invocations cannot tell.
+    #[must_use]
+    pub const fn is_judged(&self) -> bool {
+        matches!(self.accounting, Accounting::Judged)
+    }
+
+    /// What finds no room is settled by the fragments alone.
+    #[must_use]
+    pub const fn settles_overflow(&self) -> bool {
+        matches!(self.overflow, Overflow::Settled(_))
+    }
+
+    /// It keeps all of a pixel's fragments that are wholly alike.
+    #[must_use]
+    pub const fn keeps_alike(&self) -> bool {
+        matches!(self.alike, Alike::Each)
+    }
+
+    /// It needs the ordered interlock.
+    #[must_use]
+    pub const fn is_interlocked(&self) -> bool {
+        matches!(self.entry, Entry::Interlock)
+    }
 
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.
     #[must_use]
@@ -354,7 +490,7 @@ impl Contract {
 
     /// What is kept of a pixel's sorted keys with the given k, where neither room nor arrival has a say.
     pub fn keep(&self, keys: &mut Vec<u64>, k: Option<u32>) {
-        if !self.identical {
+        if !self.keeps_alike() {
             keys.dedup();
         }
         if self.keeps == Keeps::Layers {
@@ -366,7 +502,7 @@ impl Contract {
     /// The result does not depend on arrival or interleaving.
     #[must_use]
     pub fn order_independent(&self) -> bool {
-        !self.arrival_dependent && !self.racy
+        matches!(self.dependence, Dependence::Nothing)
     }
 
     /// Whether WGSL guarantees what the method needs; otherwise its results there may be right, and are not owed.
@@ -383,13 +519,20 @@ impl Contract {
         title: &'static str,
         exact_when: &'static str,
     ) -> Self {
-        let (form, racy, right_depths) = (Form::Mutation, true, false);
-        Self { name, title, exact_when, form, racy, right_depths, ..self }
+        let dependence = self.dependence.racy();
+        Self { name, title, exact_when, form: Form::Mutation, dependence, ..self }
     }
 
     /// The name without `@variant`.
     #[must_use]
     pub fn base_name(&self) -> &'static str {
         self.name.split('@').next().unwrap_or(self.name)
+    }
+}
+
+/// As `fragloom methods --json` lists it.
+impl Serialize for Contract {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Listed::new(self).serialize(serializer)
     }
 }

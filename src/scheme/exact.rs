@@ -3,36 +3,21 @@
 
 use crate::fragment::{Fragment, Packet};
 use crate::raster::{Batch, FrontEnd, Record};
-use crate::scheme::contract::{Contract, Demand, Form, Keeps, Program};
+use crate::scheme::contract::{Contract, Keeps, Overflow};
 
 /// What the oracle promises.
 pub const CONTRACT: Contract = Contract {
-    name: "exact",
     title: "Sequential exact A-buffer: the reference",
     paper: "Carpenter 1984",
     section: "-",
-    form: Form::Correct,
-    program: Program::STORE,
     words: "2 f(p)",
-    frame_words: "0",
-    published_words: None,
-    keeps: Keeps::Nearest,
     exact_when: "always; all fragments unless -k is given",
-    arrival_dependent: false,
-    racy: false,
-    judged: false,
-    ties: "canonical: the smaller data word is nearer",
-    overflow: "none",
+    overflow: Overflow::Never("none"),
     needs: "nothing: it is sequential",
-    wgsl: None,
-    depth_format: None,
     default_k: None,
     max_k: u32::MAX,
-    demand: Demand::Nothing,
-    page: 1,
-    interlock: false,
     source: include_str!("exact.rs"),
-    ..Contract::BASE
+    ..Contract::new("exact", Keeps::Nearest)
 };
 
 /// The fragments of every pixel of a tile, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.

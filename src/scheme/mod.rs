@@ -24,6 +24,7 @@ pub mod hash_table;
 pub mod held;
 pub mod k_buffer;
 pub mod kplus_buffer;
+mod listed;
 pub mod parts;
 pub mod peeling;
 pub mod task;

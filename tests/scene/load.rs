@@ -201,7 +201,11 @@ fn bad_scene_files_are_named() {
         ),
         ("\"t.obj\"\nmaterial", "\"none.obj\"\nmaterial", "none.obj: cannot be read"),
         ("\"t.obj\"\nmaterial", "\"points.txt\"\nmaterial", "points.txt: file: must end in .obj"),
-        ("\"cubes\"", "\"cube\"", "object 2: procedural: cube: scene: is no file and none of"),
+        (
+            "\"cubes\"",
+            "\"cube\"",
+            "object 2: procedural: cube: scene: is neither a file nor one of",
+        ),
         ("sides = 8", "sides = 2", "cubes: sides: 2 is not within 4 to 1024"),
         ("sides = 8", "side = 8", "cubes: side: is not a key; there are sides, alpha"),
         ("alpha = 0.75", "alpha = \"x\"", "cubes: alpha: must be a number"),

@@ -3,7 +3,7 @@
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use fragloom::num::depth::EMPTY;
-use fragloom::scheme::contract::Keeps;
+use fragloom::scheme::contract::{Keeps, Overflow};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Keeps the smallest key, in one 64-bit word.
@@ -13,17 +13,14 @@ pub(crate) struct Unreached {
 
 impl Scheme for Unreached {
     const CONTRACT: Contract = Contract {
-        name: "unreached",
         title: "Z-buffer in one word, with an operation too many",
         words: "2",
-        keeps: Keeps::One,
         ties: "canonical",
-        overflow: "the farther one is dropped",
+        overflow: Overflow::Drops("the farther one is dropped"),
         needs: "64-bit atomic minimum",
-        default_k: None,
         max_k: 1,
         source: include_str!("unreached.rs"),
-        ..Contract::BASE
+        ..Contract::new("unreached", Keeps::One)
     };
 
     type Holds = Keys;

@@ -136,7 +136,7 @@ impl Session {
         row.lists_equal = match (drawn.kept.fragments(), same.kept.fragments()) {
             // What may be missing was judged by the run itself, fragment by fragment.
             _ if contract.keeps == Keeps::Visible => drawn.report.violations.is_empty(),
-            (Some(own), Some(same)) if contract.identical => own == same,
+            (Some(own), Some(same)) if contract.keeps_alike() => own == same,
             (Some(own), Some(same)) => *own == same.cut(|_, keys| keys.dedup()),
             // Without lists, the pictures are all there is.
             _ => true,

@@ -102,7 +102,7 @@ fn row(contract: &Contract) -> Vec<String> {
         Form::Published => "published",
         Form::Mutation => "mutation",
     };
-    let depends = match (contract.racy, contract.arrival_dependent) {
+    let depends = match (contract.is_racy(), contract.is_arrival_dependent()) {
         (true, _) => "races",
         (false, true) => "arrival",
         (false, false) => "nothing",

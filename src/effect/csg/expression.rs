@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// The most objects in an expression: one bit each.
 pub const MAX_OBJECTS: usize = 64;
 
-/// The most parentheses in each other.
+/// The deepest nesting of parentheses.
 pub const MAX_NESTING: usize = 256;
 
 /// Binary operators from the loosest.
@@ -50,7 +50,7 @@ enum Operation {
     Without,
 }
 
-/// A name where it stands first.
+/// A name at its first occurrence.
 #[derive(Clone, Debug)]
 struct Name {
     text: String,
@@ -67,8 +67,8 @@ impl Expression {
     /// Read an expression.
     ///
     /// # Errors
-    /// The column, counted in characters from 1, what was expected there and what stands there; more than
-    /// [`MAX_OBJECTS`] names or [`MAX_NESTING`] parentheses in each other.
+    /// The column, counted in characters from 1, what was expected there and what was found; more than [`MAX_OBJECTS`]
+    /// names, or parentheses nested deeper than [`MAX_NESTING`].
     pub fn parse(text: &str) -> Result<Self> {
         let characters = text.chars().collect();
         let (program, names) = (Vec::new(), Vec::new());
@@ -82,18 +82,18 @@ impl Expression {
         Ok(parser.expression)
     }
 
-    /// The objects, in the order in which they first stand: bit i of [`Expression::evaluate`] is the i-th.
+    /// The objects, in the order of their first occurrence: bit i of [`Expression::evaluate`] is the i-th.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(|name| name.text.as_str())
     }
 
-    /// The value where one is inside of the objects whose bits are set.
+    /// The value at a point inside of the objects whose bits are set.
     #[must_use]
     pub fn evaluate(&self, inside: u64) -> bool {
         self.evaluate_on(inside, &mut Vec::new())
     }
 
-    /// As [`Expression::evaluate`], with memory that is used again.
+    /// As [`Expression::evaluate`], with reused memory.
     pub(super) fn evaluate_on(&self, inside: u64, stack: &mut Vec<bool>) -> bool {
         stack.clear();
         // A parsed program never finds too few values on the stack.
@@ -117,10 +117,10 @@ impl Expression {
         pop(stack)
     }
 
-    /// The place of every name among `objects`.
+    /// The index of every name among `objects`.
     ///
     /// # Errors
-    /// A name that is not there, with its column and those that are.
+    /// A name that is not there, with its column and the names that are.
     pub fn bind(&self, objects: &[String]) -> Result<Vec<usize>> {
         let place = |name: &Name| {
             objects.iter().position(|object| *object == name.text).ok_or_else(|| {
@@ -146,7 +146,7 @@ fn wrong(column: usize, problem: &str) -> Error {
     Error::new("--effect", format!("csg: column {column}: {problem}"))
 }
 
-/// Recursive descent; a call per level of precedence and parenthesis, whose nesting is limited.
+/// Recursive descent: a call per level of precedence and parenthesis; nesting is limited.
 struct Parser {
     characters: Vec<char>,
     at: usize,
@@ -173,7 +173,7 @@ impl Parser {
         if self.take(|c| c == '(') {
             self.nesting += 1;
             if self.nesting > MAX_NESTING {
-                return Err(wrong(self.at, &format!("more than {MAX_NESTING} ( in each other")));
+                return Err(wrong(self.at, &format!("more than {MAX_NESTING} nested parentheses")));
             }
             self.binary(0)?;
             if !self.take(|c| c == ')') {
@@ -233,7 +233,7 @@ impl Parser {
     }
 }
 
-/// With as few parentheses as keep the structure.
+/// With the fewest parentheses that keep the structure.
 impl fmt::Display for Expression {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const UNARY: usize = BINARY.len();
@@ -317,7 +317,7 @@ mod tests {
         let nested = |n: usize| format!("{}a{}", "(".repeat(n), ")".repeat(n));
         assert!(Expression::parse(&nested(MAX_NESTING)).is_ok());
         assert!(problem(&nested(MAX_NESTING + 1)).contains("column 257: more than 256"));
-        assert!(problem(&"(".repeat(1 << 20)).contains("in each other"));
+        assert!(problem(&"(".repeat(1 << 20)).contains("nested parentheses"));
         let many = |n: usize| (0..n).map(|i| format!("x{i}")).collect::<Vec<_>>().join("|");
         assert!(Expression::parse(&many(64)).unwrap().evaluate(1 << 63));
         assert!(problem(&many(65)).contains("one more than 64 objects"));

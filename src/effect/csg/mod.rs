@@ -1,14 +1,15 @@
 //! Constructive solid geometry: the picture of a Boolean combination of closed meshes (HA-buffer paper, section 6.3).
 //!
-//! A pixel's list is walked front to back with a bit per object, which says whether the walk is inside of it. A fragment
-//! of an object turns its bit over: by parity, as in the paper, so that it does not matter how meshes are wound. Where
-//! the expression's value changes is a surface of the combination. Fragments of equal depth are one step, all bits
-//! first and the expression after them, so that faces which lie in one plane leave no sliver between them. (Depths of
-//! different triangles of one sloping plane may differ by a unit of their last place, where each is rounded; with
+//! A pixel's list is walked front to back with a bit per object, which says whether the walk is inside of it. A
+//! fragment of an object toggles its bit: by parity, as in the paper, so that it does not matter how meshes are wound.
+//! The combination has a surface wherever the expression's value changes. Fragments of equal depth are one step, all
+//! bits first and the expression after them, so that faces which lie in one plane leave no sliver between them. (Depths
+//! of different triangles of one sloping plane may differ by a unit of their last place, where each is rounded; with
 //! `--depth-format d24` few such pairs are left.)
 //!
-//! What is seen is the first surface at which the value becomes true, opaque, in the colour that its fragment has. An
-//! expression that is true of nothing, such as `~a`, is true at the eye: what the eye then is in is not seen.
+//! The picture shows the first surface at which the value becomes true, opaque, in the colour of its fragment. An
+//! expression that is true outside of all objects, such as `~a`, is true at the eye: the solid that contains the eye is
+//! not seen.
 
 mod expression;
 mod walk;
@@ -34,7 +35,7 @@ struct Scanline {
     open: Vec<u64>,
 }
 
-/// Draw what the expression describes; its surfaces are the lists that are given back.
+/// Draw what the expression describes; its surfaces are the lists that are returned.
 ///
 /// # Errors
 /// A name that no object has.

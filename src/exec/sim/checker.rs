@@ -1,4 +1,4 @@
-//! A debug switch of the simulated device: after every step of a store pass, what a method says of its words.
+//! A debug check of the simulated device: after every step of a store pass, what a method guarantees about its words.
 
 use super::slots::Check;
 use crate::exec::Instance;
@@ -6,10 +6,10 @@ use crate::memory::sim::{Change, Sim};
 use crate::memory::{Address, Counters, Growing, Snapshot};
 use crate::scheme::Moment;
 
-/// What was looked at, and what was wrong.
+/// What was checked, and what was wrong.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checked {
-    /// Steps that changed a word of the frame, each of which was looked at.
+    /// Steps that changed a word of the frame, each of which was checked.
     pub steps: u64,
     /// Steps after which something was wrong.
     pub violations: u64,
@@ -17,7 +17,7 @@ pub struct Checked {
     pub first: Option<String>,
 }
 
-/// Looks at every change of the frame's words: those that must grow do, and the invariant holds of the pixel that the
+/// Checks every change of the frame's words: those that must grow do, and the invariant holds for the pixel that the
 /// changed word belongs to.
 pub(super) struct Checker<'a> {
     instance: &'a dyn Instance,

@@ -1,9 +1,9 @@
-//! The simulated device: thousands of resident invocations, one memory operation a step.
+//! The simulated device: thousands of resident invocations, one memory operation per step.
 //!
 //! Invocations are admitted in submission order (primitive by primitive over the whole image, so that nothing depends
-//! on tiles) into a fixed number of slots. A [policy](policy::Policy) names the slot that performs the next operation. When an
-//! invocation ends, its slot takes the next one. The sequence of slots is the schedule: it can be recorded, and run
-//! again exactly.
+//! on tiles) into a fixed number of slots. A [policy](policy::Policy) names the slot that performs the next operation.
+//! When an invocation ends, its slot takes the next one. The sequence of slots is the schedule: it can be recorded, and
+//! replayed exactly.
 //!
 //! Passes are queues of work; a barrier between two of them means that the second begins when the first has drained.
 
@@ -35,7 +35,7 @@ pub use checker::Checked;
 pub use turns::{Stepped, Stores};
 pub use watch::Watched;
 
-/// What a run on the simulated device gives.
+/// The result of a run on the simulated device.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     /// The finished frame.
@@ -44,12 +44,12 @@ pub struct Simulated {
     pub schedule: Option<Vec<u8>>,
     /// What happened at the pixel that was watched.
     pub watched: Option<Watched>,
-    /// What was looked at after every step, if that was asked for.
+    /// What was checked after every step, if requested.
     pub checked: Option<Checked>,
 }
 
-/// Run a scheme; its operations are always counted. `pattern` fills memory beforehand: only clear passes make it fit for
-/// use.
+/// Run a scheme; its operations are always counted. `pattern` fills memory beforehand: only a clear pass prepares it
+/// for use.
 ///
 /// # Errors
 /// A recorded schedule that belongs to another run, or a schedule under which nothing ends any more.

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 
 const MAGIC: &[u8; 4] = b"FLS1";
 
-/// Identifies what a schedule was recorded of: 8 bytes of the SHA-256 of the texts that describe it, one a line.
+/// Identifies what a schedule was recorded from: 8 bytes of the SHA-256 of the texts that describe it, one per line.
 #[must_use]
 pub fn fingerprint(of: impl Iterator<Item = String>) -> u64 {
     let mut digest = Sha256::new();
@@ -79,20 +79,20 @@ pub struct Reader {
     pub group: usize,
 }
 
-/// More slots than any device has: a corrupt schedule must not make us allocate.
+/// More slots than any device has: a corrupt schedule must not cause huge allocations.
 const MAX_RESIDENT: u64 = 1 << 24;
 
 impl Reader {
     /// Read the head of a schedule.
     ///
     /// # Errors
-    /// Not a schedule, or one of another run.
+    /// Not a schedule, or one from another run.
     pub fn new(bytes: Vec<u8>, fingerprint: u64) -> Result<Self> {
         if bytes.len() < 12 || &bytes[..4] != MAGIC {
             return Err(bad("is not a schedule that fragloom recorded (FLS1)"));
         }
         if bytes[4..12] != fingerprint.to_le_bytes() {
-            return Err(bad("was recorded of another scene, method or option"));
+            return Err(bad("was recorded from another scene, method or option"));
         }
         let mut reader = Self { bytes, place: 12, run: (0, 0), resident: 0, group: 0 };
         let resident = reader.number().filter(|&r| (1..=MAX_RESIDENT).contains(&r));
@@ -121,7 +121,7 @@ impl Reader {
         Ok(self.run.0)
     }
 
-    /// Nothing is left.
+    /// Whether nothing is left.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.run.1 == 0 && self.place == self.bytes.len()

@@ -1,8 +1,8 @@
 //! Slots, invocations and steps: one pass.
 //!
-//! What a step costs is mostly waiting: for the branch that depends on where the invocation stands, which no processor
-//! foresees under a random schedule, and for the cache. So the loop is kept short, everything it needs next is asked
-//! for a step ahead, and invocations are nothing but the futures of their scheme.
+//! The cost of a step is mostly waiting: for the branch that depends on where the invocation stands, which no processor
+//! predicts under a random schedule, and for the cache. So the loop is kept short, everything it needs next is
+//! requested a step ahead, and invocations are just the futures of their scheme.
 
 use std::future::Future;
 use std::hint::black_box;
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::memory::Observer;
 use crate::memory::sim::Sim;
 
-/// Looks at memory after each step.
+/// Checks memory after each step.
 pub(super) trait Check {
     /// After a step.
     fn step(&mut self);
@@ -29,17 +29,17 @@ const PATIENCE: u64 = 200_000_000;
 pub(super) struct Slots<'a, O, W, F, Q, I, D> {
     mem: &'a Sim<O>,
     policy: &'a mut Any,
-    /// Work for invocations, in the order of their admission.
+    /// Work for invocations, in order of admission.
     queue: Q,
-    /// Makes an invocation of work.
+    /// Makes an invocation from work.
     invoke: I,
     /// Takes its result.
     done: D,
-    /// By slot. A box is made once; one invocation after another is set into it.
+    /// By slot. Each box is made once; one invocation after another is placed in it.
     invocations: Vec<Pin<Box<Option<F>>>>,
-    /// By slot; apart from the invocations, so that a step touches little memory.
+    /// By slot; kept apart from the invocations, so that a step touches little memory.
     work: Vec<Option<W>>,
-    /// Slots are refilled when all `group` of theirs have ended.
+    /// Slots are refilled when all `group` slots of a group have ended.
     group: usize,
     live_in_group: Vec<u32>,
     live: usize,
@@ -49,7 +49,7 @@ pub(super) struct Slots<'a, O, W, F, Q, I, D> {
     checker: Option<&'a mut (dyn Check + 'a)>,
 }
 
-/// Is told who takes a slot and who makes a step.
+/// Is notified when an invocation takes a slot and when a slot makes a step.
 pub(super) trait Watcher<W> {
     /// Work was set into a slot.
     fn takes(&mut self, slot: u32, work: &W);
@@ -95,19 +95,19 @@ where
         }
     }
 
-    /// With somebody to watch it.
+    /// With a watcher.
     pub(super) fn watched(self, watcher: Option<&'a mut (dyn Watcher<W> + 'a)>) -> Self {
         Self { watcher, ..self }
     }
 
-    /// With somebody to look at memory after every step.
+    /// With a check of memory after every step.
     pub(super) fn checked(self, checker: Option<&'a mut (dyn Check + 'a)>) -> Self {
         Self { checker, ..self }
     }
 
     /// Run it to its end.
     ///
-    /// Invocations are polled in this one place, so that the compiler puts them into the loop. A slot is polled once
+    /// Invocations are polled in this one place, so that the compiler inlines them into the loop. A slot is polled once
     /// when it is filled, which takes the invocation to its first operation, and then once a step.
     pub(super) fn run(mut self, mut recorder: Option<&mut Recorder>) -> Result<()> {
         let context = &mut Context::from_waker(Waker::noop());
@@ -151,7 +151,7 @@ where
         }
     }
 
-    /// The slot that performs the next operation, which is granted.
+    /// Pick the slot that performs the next operation, and grant the operation.
     #[inline]
     fn next(&mut self, recorder: Option<&mut Recorder>) -> Result<u32> {
         let slot = self.policy.next()?;
@@ -170,7 +170,7 @@ where
         Ok(slot)
     }
 
-    /// Set the queue's next invocation into a vacant slot, if there are both.
+    /// Place the queue's next invocation in a vacant slot, if there are both.
     #[inline]
     fn fill(&mut self) -> Option<u32> {
         if self.vacant.is_empty() { None } else { self.take() }
@@ -191,7 +191,7 @@ where
         Some(slot as u32)
     }
 
-    /// The invocation set last stands at its first operation; if it ends without any, its slot remains vacant.
+    /// Admit the newest invocation, which is at its first operation. One that ends without any leaves its slot vacant.
     fn admit(&mut self, slot: u32) {
         self.policy.admit(slot);
         self.vacant.start += 1;

@@ -1,5 +1,5 @@
-//! The stages of a frame, one after another. Parts of one stage are one queue: a later part's invocations take the slots
-//! that become free.
+//! The stages of a frame, one after another. Parts of one stage are one queue: invocations of a later part take slots
+//! as they become free.
 
 use super::Memory;
 use super::checker::Checker;
@@ -16,7 +16,7 @@ use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
 use crate::scheme::task::{Ended, Task};
 
-/// What they leave behind besides memory, by storage pixel.
+/// Their results other than memory, by storage pixel.
 pub(super) struct Stages<'a> {
     job: &'a Job<'a>,
     mem: &'a Memory<Counters>,
@@ -54,7 +54,7 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// Run them all; the number of rounds.
+    /// Run them all, and give the number of rounds.
     pub(super) fn run(
         &mut self,
         turns: &mut Turns,
@@ -74,7 +74,7 @@ impl<'a> Stages<'a> {
         })
     }
 
-    /// Where the time of a stage belongs.
+    /// The phase that a stage's time belongs to.
     fn name(&self, parts: &[Part]) -> &'static str {
         let name = |part: &Part| match part {
             Part::Clear => "clear",
@@ -92,7 +92,7 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// Run one stage; whether a pixel asks for another round.
+    /// Run one stage. Returns whether a pixel needs another round.
     fn stage(
         &mut self,
         turns: &mut Turns,
@@ -128,7 +128,7 @@ impl<'a> Stages<'a> {
                 _ => {}
             };
             let mut work: Queue<'_> = Box::new(std::iter::empty());
-            // The store pass counts what is generated; an earlier geometry pass counts it for nobody.
+            // The store pass counts what is generated; an earlier geometry pass does not count.
             let mut counts = Some(generated.as_mut_slice());
             for &part in parts {
                 work = Box::new(work.chain(queue(job, part, invocations, &mut counts)));
@@ -171,7 +171,7 @@ fn queue<'a>(
     }
 }
 
-/// The storage places that are pixels of the image.
+/// The storage places that hold pixels of the image.
 fn pixels<'a>(job: &'a Job<'_>) -> impl Iterator<Item = u32> + use<'a> {
     let grid = &job.front.grid;
     let per_tile = grid.pixels_per_tile() as u32;

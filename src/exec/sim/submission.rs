@@ -16,22 +16,23 @@ pub(super) struct Submission<'a> {
     next_fragment: usize,
 }
 
-/// Counts of the caller's, or of our own if there need to be any.
+/// The caller's counts, or own ones if needed.
 enum Counts<'a> {
     Given(&'a mut [u32]),
     Own(Vec<u32>),
 }
 
 impl<'a> Submission<'a> {
-    /// Counts what is generated, from zero.
+    /// The fragments of the store pass; counts what is generated, from zero.
     pub(super) fn new(job: &'a Job<'a>, generated: &'a mut [u32]) -> Self {
         generated.fill(0);
         Self::from(job, Counts::Given(generated))
     }
 
-    /// Of another geometry pass.
+    /// The fragments of another geometry pass.
     pub(super) fn uncounted(job: &'a Job<'a>) -> Self {
-        let pixels = if job.contract.interlock { job.front.grid.storage_pixels() } else { 0 };
+        let pixels =
+            if job.contract.is_interlocked() { job.front.grid.storage_pixels() } else { 0 };
         Self::from(job, Counts::Own(vec![0; pixels]))
     }
 
@@ -82,7 +83,7 @@ impl Iterator for Submission<'_> {
             Counts::Own(counts) => counts.get_mut(fragment.pixel as usize),
         };
         if let Some(count) = count {
-            if self.job.contract.interlock {
+            if self.job.contract.is_interlocked() {
                 fragment.rank = *count;
             }
             *count += 1;

@@ -1,4 +1,4 @@
-//! Whose turn it is: the single place where schemes meet simulated memory.
+//! Which invocation goes next: the single place where schemes meet simulated memory.
 
 use std::future::Future;
 
@@ -17,7 +17,7 @@ use crate::scheme::{Outcome, Scheme};
 
 /// A scheme on simulated memory, without its type.
 pub trait Stepped {
-    /// Store fragments, to the end. The pass that takes the time, so it has code of its own for every scheme.
+    /// Store fragments, to the end. This pass takes most of the time, so every scheme has its own code for it.
     ///
     /// # Errors
     /// A recorded schedule that does not fit, or a schedule under which nothing ends any more.
@@ -38,7 +38,7 @@ impl<S: Scheme> Stepped for S {
     }
 }
 
-/// Who goes next, and how many are there at once.
+/// The policy, and how many invocations are resident.
 #[derive(Debug)]
 pub(super) struct Turns {
     policy: Any,
@@ -47,7 +47,7 @@ pub(super) struct Turns {
     recorder: Option<Recorder>,
 }
 
-/// Fragments that are to be stored, and where it is told what became of them.
+/// The fragments to store, and where their outcomes are reported.
 pub struct Stores<'a> {
     pub(in crate::exec) mem: &'a Memory<Counters>,
     pub(super) turns: &'a mut Turns,
@@ -87,8 +87,7 @@ impl Turns {
         Ok(Self { policy, resident, group, recorder })
     }
 
-    /// Run invocations of any passes, to the end. What stands in one queue has no barrier inside. One code for all
-    /// schemes.
+    /// Run invocations of any passes, to the end. There is no barrier within one queue. All schemes share this code.
     ///
     /// # Errors
     /// See [`Stepped::store`].
@@ -123,7 +122,7 @@ impl Turns {
     /// After the last pass: the recorded schedule.
     ///
     /// # Errors
-    /// A recorded schedule that goes on.
+    /// A recorded schedule that is not at its end.
     pub(super) fn finish(mut self) -> Result<Option<Vec<u8>>> {
         self.policy.finish()?;
         Ok(self.recorder.map(Recorder::finish))

@@ -1,4 +1,4 @@
-//! Watching a pixel: its fragments, and the part of the schedule that is their own.
+//! Watching a pixel: its fragments, and their part of the schedule.
 
 use super::slots::Watcher;
 use crate::fragment::Fragment;
@@ -81,7 +81,7 @@ impl Watcher<Fragment> for Recording {
     }
 }
 
-/// Of other passes, what works for a fragment is told from the rest.
+/// In other passes, work for a fragment is distinguished from the rest.
 impl Watcher<Task> for Recording {
     fn takes(&mut self, slot: u32, work: &Task) {
         let (Task::Store(fragment) | Task::Prepare(_, fragment)) = work else {

@@ -1,5 +1,7 @@
-//! Relaxed memory with views, after the promise-free part of release/acquire models: a word is a list of messages in
-//! the order of their writes; an invocation sees each word from some message on.
+//! Relaxed memory by messages and views: the promising semantics without promises, in which a write takes its place in
+//! its word's order when it is performed.
+//!
+//! A word is a list of messages, oldest first: its coherence order. An invocation sees each word from some message on.
 //!
 //! ```text
 //! view        for every word the oldest message that may still be read, and a vector clock
@@ -8,18 +10,44 @@
 //! store       appends; the message's view is cur for a release store, else rel, and the message itself
 //! update      reads the last message, appends one with that message's view too (release sequence); one that leaves the
 //!             value as it is appends nothing unless its view says more, which keeps a spin lock finite
-//! compare-exchange  an update if the last message is as expected; or a load of any other that is not
+//! compare-exchange  an update if the last message is as expected; or a load of any message that is not
 //! barrier     as acquire: joins acq to cur; as release: sets rel to cur
 //! plain       as relaxed; a race, if an earlier access is unordered, one of both writes and one is plain
 //! ```
 //!
-//! Left out: whatever needs a cycle of program order, reads and the order of writes, since a write enters its word's
-//! order when it is performed: load buffering, 2+2W, S (`tests/memory_model.rs` lists them). Besides: sequentially
-//! consistent barriers, mixed sizes, availability and visibility as separate steps.
+//! State: `messages` (value, unwritten or not, view); `threads` (`cur`, and with barriers `acq` and `rel`); `accesses`
+//! (each invocation's clock at its last access to each word, by kind). A slice is the bytes of these three. It is
+//! canonical ([`Canonical`]): messages that no live invocation may read any more are dropped and the rest renumbered;
+//! views of ended invocations are forgotten; clocks keep the order of accesses that may still race, and nothing else.
+//! Equal slices are one state. States that behave alike may have different slices: that costs states, not results.
 //!
-//! Two states are equal if no invocation that goes on can tell them apart: messages that nobody may read any more are
-//! dropped and the rest renumbered; views of ended invocations are forgotten; clocks keep the order of accesses that
-//! may still race, and nothing else.
+//! Invariants, between operations:
+//!
+//! 1. A word's order grows at its end only. A message's view names the message itself.
+//! 2. An invocation's `cur` only grows, and it reads from there on. So each word alone is coherent.
+//! 3. Its own clock, in its `cur`, exceeds its clock in every other view: it is raised after each release.
+//! 4. If the `cur` of u knows t's clock up to w, then t's accesses at clock w or before happen before u's next operation.
+//!    The converse holds but for updates that append nothing ([`Relaxed::says_more`]).
+//!
+//! Why it is sound: a message is there before it is read, so the order of a run contains program order, reads-from and
+//! coherence order. By 2, no read contradicts what happens before it: a run is an execution of C++20 without sequentially
+//! consistent operations. Conversely, an execution in which these three orders have no cycle is a run, in any order that
+//! contains them. An update that appends nothing hides no result: the message that it read is the last, has the same
+//! value, and lets its readers see as much. A state and its canonical form have the same alternatives, results and races,
+//! and lead to states of which that is true again (bisimulation): see [`Canonical`].
+//!
+//! Left out: executions in which program order, reads-from and coherence order have a cycle: load buffering, 2+2W, S
+//! (`tests/memory_model.rs` lists them). Besides: sequentially consistent barriers, scopes, mixed sizes, torn accesses,
+//! availability and visibility as separate steps. An unwritten word has one of a few candidate values. A word has at most
+//! [`MOST_MESSAGES`]; a state beyond is wrong, and [`Model::full`] says that there was one. A compare-exchange that fails
+//! counts as a write: if a word has plain accesses too, that can call a race that is none.
+//!
+//! Published: messages and views are those of Kang et al., "A promising semantics for relaxed-memory concurrency" (POPL
+//! 2017), without promises and without gaps between timestamps. Only updates continue a release sequence, as in C++20
+//! (P0982R1); there and in RC11 (Lahav et al., PLDI 2017) an invocation's own later stores do too. Coherence order within
+//! the order of execution is strong release/acquire: Lahav, Giannarakis and Vafeiadis, "Taming release-acquire
+//! consistency" (POPL 2016). Clocks in messages, and for barriers: Lidbury and Donaldson, "Dynamic race detection for
+//! C++11" (POPL 2017). Clocks of accesses: DJIT+ (Pozniansky and Schuster, PPoPP 2003), split into plain and atomic.
 
 use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of};
 use crate::memory::asked::Action;
@@ -28,63 +56,79 @@ use crate::memory::{Numbering, Order, Update};
 /// Kinds of recorded accesses, by (write, plain).
 const KINDS: usize = 4;
 
+/// A kind's number: bit 1 for a write, bit 0 for a plain access.
 fn kind(writes: bool, plain: bool) -> usize {
     usize::from(writes) * 2 + usize::from(plain)
 }
 
+/// The words of one state. `profile` to `invocations` are the same in all states; `messages`, `threads` and `accesses`
+/// are the state.
 pub(super) struct Relaxed {
     profile: Profile,
+    /// The values that an unwritten word may turn out to have.
     candidates: Vec<u64>,
+    /// The width of every cell.
     bits: Vec<u32>,
     invocations: usize,
-    /// Every cell's messages, oldest first.
+    /// Every cell's messages, oldest first; never empty.
     messages: Vec<Vec<Message>>,
     threads: Vec<Thread>,
-    /// When each invocation last accessed each cell, by kind: its own clock then; 0 is never.
+    /// When each invocation last accessed each cell, by kind: its own clock then; 0 is never. All of a cell's
+    /// invocations, then those of the next cell.
     accesses: Vec<[u8; KINDS]>,
+    /// The race that the last operation was part of. Not part of the state.
     race: Option<Race>,
-    /// A word had no room for one more message.
+    /// A word had no room for one more message, at any time. Not part of the state: it is never taken back.
     full: bool,
 }
 
-/// Messages of a word, at most: an invocation that waits and writes may make them without end.
+/// Messages of a word, at most: an invocation that waits and writes may make them without end. An index fits a byte.
 const MOST_MESSAGES: usize = 250;
 
+/// A write, as its readers find it. Its timestamp is its place in its cell's list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
     value: u64,
-    /// Nobody wrote it, and nobody has read it.
+    /// It has not been written, and not been read: its value is still open. Only a cell's first message can be so.
     unwritten: bool,
+    /// What an acquire that reads it comes to see.
     view: View,
 }
 
+/// What is known of memory at some point: a lower bound of what may be read, and what has happened before.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct View {
     /// For every cell, the oldest message that may still be read.
     from: Vec<u8>,
+    /// For every invocation, up to which of its clock values its operations happened before.
     clock: Vec<u8>,
 }
 
 impl View {
+    /// It knows nothing.
     fn new(cells: usize, invocations: usize) -> Self {
         Self { from: vec![0; cells], clock: vec![0; invocations] }
     }
 
+    /// Know what the other one knows, too: the least upper bound.
     fn join(&mut self, other: &Self) {
         let pairs = self.from.iter_mut().zip(&other.from);
         pairs.chain(self.clock.iter_mut().zip(&other.clock)).for_each(|(a, &b)| *a = (*a).max(b));
     }
 }
 
+/// An invocation's views.
 #[derive(Clone, Debug)]
 struct Thread {
+    /// What it has seen: it reads from here on. Its own entry of the clock is its clock.
     cur: View,
-    /// Only where a profile has barriers.
+    /// The views of all messages that it has read: what an acquire barrier adds to `cur`. Empty without barriers.
     acq: View,
+    /// `cur` at the last release barrier: the view of a store that does not release. Empty without barriers.
     rel: View,
 }
 
-/// Invocations that have done nothing.
+/// Invocations that have done nothing. A clock begins at 1, because 0 in a view is nothing at all.
 fn threads(empty: &View) -> Vec<Thread> {
     let thread = |t: usize| {
         let mut cur = empty.clone();
@@ -94,10 +138,12 @@ fn threads(empty: &View) -> Vec<Thread> {
     (0..empty.clock.len()).map(thread).collect()
 }
 
-/// What an operation reads: a message, and the value it gets if nobody wrote it.
+/// What an operation reads: a message, and the value it gets if it is unwritten.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
+    /// Its place in its cell's list.
     message: usize,
+    /// Index of the candidate value.
     candidate: usize,
 }
 
@@ -130,17 +176,19 @@ impl Relaxed {
         }
     }
 
+    /// Whether operations are ordered by barriers around them.
     fn fenced(&self) -> bool {
         self.profile == Profile::Glsl
     }
 
-    /// The values that a message may have.
+    /// A message with each of the values that it may have.
     fn choices_of(&self, cell: usize, message: usize) -> impl Iterator<Item = Choice> + use<> {
         let unwritten = self.messages[cell][message].unwritten;
         let count = if unwritten { self.candidates.len() } else { 1 };
         (0..count).map(move |candidate| Choice { message, candidate })
     }
 
+    /// The value that is read.
     fn value(&self, cell: usize, choice: Choice) -> u64 {
         let message = &self.messages[cell][choice.message];
         if message.unwritten {
@@ -150,15 +198,18 @@ impl Relaxed {
         }
     }
 
-    /// Everything that an operation may read.
+    /// Everything that an operation may read. The order depends on the state alone: an alternative is an index into it.
     fn choices(&self, invocation: usize, cell: usize, action: Action) -> Vec<Choice> {
         let first = usize::from(self.threads[invocation].cur.from[cell]);
         let last = self.messages[cell].len() - 1;
         let mut choices: Vec<Choice> = match action {
+            // A write has one way to go: to the end. Kang et al. also let it into a gap between older messages.
             Action::Write(..) => return vec![Choice { message: last, candidate: 0 }],
             Action::Read(_) => (first..=last).flat_map(|m| self.choices_of(cell, m)).collect(),
+            // It must be next to what it reads, and the next place is at the end.
             Action::Update(..) => self.choices_of(cell, last).collect(),
         };
+        // A compare-exchange that fails is a load, and may be stale as one.
         if let Action::Update(Update::CompareExchange { expected, .. }, _) = action {
             let stale = (first..last).flat_map(|m| self.choices_of(cell, m));
             choices.extend(stale.filter(|&c| self.value(cell, c) != expected));
@@ -166,6 +217,7 @@ impl Relaxed {
         choices
     }
 
+    /// Append a message. `read` is the one that an update read.
     fn append(
         &mut self,
         invocation: usize,
@@ -176,11 +228,13 @@ impl Relaxed {
     ) {
         let index = self.messages[cell].len();
         if index == MOST_MESSAGES {
+            // The write is lost, so that what follows is no execution; the search is no longer complete.
             self.full = true;
             return;
         }
         let thread = &self.threads[invocation];
         let mut view = if releases { thread.cur.clone() } else { thread.rel.clone() };
+        // An update continues the release sequences of what it read, whatever its own order.
         if let Some(read) = read {
             view.join(&self.messages[cell][read].view);
         }
@@ -192,11 +246,15 @@ impl Relaxed {
     /// Whether an update that leaves the value as it is would tell its readers more than the message it read does: of
     /// other words, or of plain accesses. Its own accesses to atomic words do not count, or else an exchange that
     /// releases could never be waited with; an alarm that this adds needs plain and atomic accesses to one word.
+    ///
+    /// If it says no more, it need not be appended: a reader of the older message gets the same value and sees as much
+    /// of every word. Only clocks may be behind, by the updater's own atomic accesses since its last release.
     fn says_more(&self, invocation: usize, cell: usize, read: usize, releases: bool) -> bool {
         let thread = &self.threads[invocation];
         let own = if releases { &thread.cur } else { &thread.rel };
         let known = &self.messages[cell][read].view;
         let others = (0..self.invocations).filter(|&other| other != invocation);
+        // Its own clock has almost always gone on (3). So ask whether a plain access lies in that time.
         let released = known.clock[invocation] + 1..=own.clock[invocation];
         own.from.iter().zip(&known.from).any(|(own, known)| own > known)
             || others.into_iter().any(|other| own.clock[other] > known.clock[other])
@@ -205,7 +263,8 @@ impl Relaxed {
             })
     }
 
-    /// What comes with reading a message.
+    /// What comes with reading a message: the reader may read nothing older of this cell any more (2). The message's
+    /// view is known at once to an acquire, and otherwise after the next acquire barrier.
     fn read(&mut self, invocation: usize, cell: usize, message: usize, acquires: bool) {
         let fenced = self.fenced();
         let view = &self.messages[cell][message].view;
@@ -219,12 +278,16 @@ impl Relaxed {
         }
     }
 
+    /// Raise an invocation's clock, after a release: what it does from now on is not released by it (3).
     fn tick(&mut self, invocation: usize) {
         let clock = &mut self.threads[invocation].cur.clock[invocation];
         *clock = clock.checked_add(1).expect("canonical clocks stay small");
     }
 
     /// Record an access; is there an earlier one that it races with?
+    ///
+    /// The last access of each invocation and kind is enough: its earlier ones come before it in program order. Of
+    /// several races, this keeps the one with the lowest invocation.
     fn access(&mut self, invocation: usize, cell: usize, writes: bool, plain: bool) {
         if !self.profile.has_races() {
             return;
@@ -236,6 +299,7 @@ impl Relaxed {
             others.flat_map(|other| (0..KINDS).map(move |k| (other, k))).find(|&(other, k)| {
                 let (other_writes, other_plain) = (k & 2 != 0, k & 1 != 0);
                 let when = self.accesses[cell * self.invocations + other][k];
+                // Unordered (4), one writes, one is plain.
                 when > clock[other] && (writes || other_writes) && (plain || other_plain)
             });
         self.race = found.map(|(other, k)| Race {
@@ -249,6 +313,7 @@ impl Relaxed {
 }
 
 impl Model for Relaxed {
+    /// Read what [`Canonical::encode`] wrote.
     fn load(&mut self, encoded: &[u32]) {
         let mut bytes = encoded.iter().flat_map(|word| word.to_le_bytes());
         let mut byte = || bytes.next().unwrap_or(0);
@@ -304,6 +369,7 @@ impl Model for Relaxed {
         let cell = cell as usize;
         let (order, fences) = match order_of(action) {
             Some(order) => self.profile.order(order),
+            // Plain is as relaxed; that it is plain shows in races only.
             None => (Order::Relaxed, Fences::default()),
         };
         let plain = order_of(action).is_none();
@@ -311,6 +377,7 @@ impl Model for Relaxed {
             matches!(order, Order::Acquire | Order::AcqRel),
             matches!(order, Order::Release | Order::AcqRel),
         );
+        // A release barrier is a release, too: what comes after it is in no view that it made.
         if fences.before {
             let thread = &mut self.threads[invocation];
             thread.rel = thread.cur.clone();
@@ -323,13 +390,16 @@ impl Model for Relaxed {
             self.append(invocation, cell, cut(value, self.bits[cell]), releases, None);
         } else {
             result = self.value(cell, choice);
+            // From its first read on, an unwritten word has this value for all.
             let message = &mut self.messages[cell][choice.message];
             (message.value, message.unwritten) = (result, false);
+            // First what an acquire learns: it is ordered after the releases that it reads.
             self.read(invocation, cell, choice.message, acquires);
             self.access(invocation, cell, matches!(action, Action::Update(..)), plain);
             if let Action::Update(update, _) = action {
                 let new = cut(update.apply(result), self.bits[cell]);
                 let is_last = choice.message + 1 == self.messages[cell].len();
+                // A failed one reads the last message, too: it may not append, whatever its view would say.
                 let fails = matches!(update, Update::CompareExchange { expected, .. } if expected != result);
                 if is_last
                     && !fails
@@ -342,6 +412,7 @@ impl Model for Relaxed {
         if releases {
             self.tick(invocation);
         }
+        // The barrier stands behind the operation: it adds the view of the message just read.
         if fences.after {
             let thread = &mut self.threads[invocation];
             let acq = thread.acq.clone();
@@ -362,6 +433,7 @@ impl Model for Relaxed {
         Canonical::new(self, live).encode(into);
     }
 
+    /// All invocations have ended: of every word only the last value is left, and everything happened before what comes.
     fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>) {
         let empty = View::new(self.messages.len(), self.invocations);
         for messages in &mut self.messages {
@@ -376,17 +448,27 @@ impl Model for Relaxed {
         self.accesses.fill([0; KINDS]);
     }
 
+    /// The last message: what a barrier would leave.
     fn settled(&self, cell: u32) -> Option<u64> {
         let last = self.messages.get(cell as usize)?.last()?;
         (!last.unwritten).then_some(last.value)
     }
 }
 
-/// A state, as those who go on can tell it from others.
+/// A state, as far as live invocations can tell it from others. Each reduction leaves out only what is never asked for:
+///
+/// - Messages below `base`: every live invocation has its `cur` at or above it, and none begins before the next barrier.
+///   Where a view names one, joining it changes no `cur`; 0 stands for all of these.
+/// - Views of ended invocations. What they have released is in messages.
+/// - Accesses that happened before what every other live invocation does next: clocks only grow, so they race no more.
+/// - Clock values, but for their order among accesses that matter. An entry is only ever compared with the time of an
+///   access: it is replaced by the number of such times up to it. Later accesses come at the own clock or after it, so
+///   the own clock counts as one of these times.
 struct Canonical<'a> {
     state: &'a Relaxed,
+    /// Bits of the live invocations.
     live: u32,
-    /// The oldest message that anybody may read, of every cell.
+    /// The oldest message that a live invocation may read, of every cell; the last one, if none is live.
     base: Vec<u8>,
     /// The rank of every invocation's clock value among those that may matter.
     ranks: Vec<[u8; 256]>,
@@ -404,17 +486,20 @@ impl<'a> Canonical<'a> {
         canonical
     }
 
+    /// The live invocations.
     fn living(state: &Relaxed, live: u32) -> impl Iterator<Item = usize> + use<'_> {
         (0..state.invocations).filter(move |t| live & (1 << t) != 0)
     }
 
-    /// Whether somebody who goes on is not ordered after an access.
+    /// Whether a live invocation other than its own is not yet ordered after an access: only then can it still race.
     fn matters(&self, invocation: usize, when: u8) -> bool {
         when != 0
             && Self::living(self.state, self.live)
                 .any(|u| u != invocation && self.state.threads[u].cur.clock[invocation] < when)
     }
 
+    /// For each clock value of an invocation, how many times that may matter are not after it. `when > clock` has the
+    /// same answer for ranks as for the values, if `when` is such a time.
     fn ranks_of(&self, invocation: usize) -> [u8; 256] {
         let mut used = [false; 256];
         for cell in 0..self.state.messages.len() {
@@ -432,6 +517,8 @@ impl<'a> Canonical<'a> {
         })
     }
 
+    /// The state's bytes, in words. The profile and the number of cells and invocations fix all lengths but those of the
+    /// lists of messages, which come first in each; so equal slices are equal canonical states.
     fn encode(&self, into: &mut Vec<u32>) {
         let mut bytes = Vec::with_capacity(256);
         for (cell, messages) in self.state.messages.iter().enumerate() {
@@ -468,6 +555,7 @@ impl<'a> Canonical<'a> {
         into.extend(bytes.chunks(4).map(word));
     }
 
+    /// A view with its messages renumbered and its clocks ranked.
     fn view(&self, view: &View, bytes: &mut Vec<u8>) {
         bytes.extend(
             view.from.iter().zip(&self.base).map(|(&from, &base)| from.saturating_sub(base)),

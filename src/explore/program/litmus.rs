@@ -155,7 +155,7 @@ impl Litmus {
     ) -> Stage {
         // An invocation that does not know its rank is like any other of the same depth and data.
         let fragments = || {
-            let rank = |f: Fragment| if contract.interlock { f.rank } else { 0 };
+            let rank = |f: Fragment| if contract.is_interlocked() { f.rank } else { 0 };
             self.fragments().map(move |f| Fragment { rank: rank(f), ..f })
         };
         let (mut tasks, mut helping, mut around) = (Vec::new(), Vec::new(), Vec::new());
@@ -332,7 +332,7 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
     let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
     let mut all = Vec::new();
-    if contract.crosses {
+    if contract.crosses() {
         return hashed(contract, family, n);
     }
     for &k in &ks {
@@ -446,7 +446,7 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
 /// The orders of arrival to try. It matters only where the interlock makes it the order of execution: then all, of up
 /// to four fragments, and else forth and back.
 fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
-    if !contract.interlock {
+    if !contract.is_interlocked() {
         return vec![sorted];
     }
     if sorted.len() > 4 {

@@ -127,7 +127,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
         schedule,
         inexact_at_ties,
         runs: runs.count,
-        declared: [contract.arrival_dependent, contract.racy],
+        declared: [contract.is_arrival_dependent(), contract.is_racy()],
     })
 }
 

@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
             pixels.iter().map(Held::len).sum::<usize>() < litmus.fragments.len()
         };
         // Of a table that is too small, it may depend on arrival who finds no room.
-        let open = contract.crosses && !contract.settled_overflow && outcomes.keys().any(short);
+        let open = contract.crosses() && !contract.settles_overflow() && outcomes.keys().any(short);
         let one = !open && !property::overflows(contract, litmus);
         if one && outcomes.len() > 1 {
             // The first one that is not the right one; or, if all are right in some way, the second.

@@ -104,7 +104,7 @@ pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, Stri
         let generated = litmus.generated(pixel);
         let reports = reports(litmus, run, pixel);
         let kept = match held {
-            Held::Keys(list) if contract.crosses => {
+            Held::Keys(list) if contract.crosses() => {
                 keeps_of_table(contract, litmus, &generated, list, &run.outcomes)
             }
             Held::Keys(list) if !contract.keeps.is_approximate() => {
@@ -120,7 +120,7 @@ pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, Stri
         }
         let gone = reports.iter().filter(|&&o| o != Outcome::Kept).count();
         let there = held.len() + held.merged() as usize;
-        if !contract.judged && !contract.crosses && there + gone != generated.len() {
+        if !contract.is_judged() && !contract.crosses() && there + gone != generated.len() {
             let message = format!(
                 "{}{} generated, {there} in the list, {gone} reported as gone",
                 place(litmus, pixel),
@@ -129,7 +129,7 @@ pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, Stri
             wrong.push((Property::Accounting, message));
         }
     }
-    if contract.crosses {
+    if contract.crosses() {
         let listed: usize = run.pixels.iter().map(Held::len).sum();
         let gone = run.outcomes.iter().filter(|&&o| o != Outcome::Kept).count();
         if listed + gone != litmus.fragments.len() {
@@ -158,7 +158,7 @@ fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
 
 /// Of what is no plain list of fragments: it is what the method says, if that may not depend on arrival.
 fn as_expected(case: &Case, pixel: u32, held: &Held) -> Option<String> {
-    let open = case.contract.arrival_dependent || overflows(case.contract, &case.litmus);
+    let open = case.contract.is_arrival_dependent() || overflows(case.contract, &case.litmus);
     let expected = case.expected(pixel).filter(|_| !open)?;
     (expected != *held).then(|| format!("{held} instead of {expected}"))
 }
@@ -184,7 +184,7 @@ fn keeps(
             enough && list.len() + dropped == generated.len() && is_part(list, generated)
         }
         // By depth alone, whoever of the equal ones came first.
-        Keeps::Nearest | Keeps::NearestBy(_) if contract.arrival_dependent => {
+        Keeps::Nearest | Keeps::NearestBy(_) if contract.is_arrival_dependent() => {
             let depths = |keys: &[u64]| keys.iter().map(|&key| depth_of(key)).collect::<Vec<_>>();
             depths(list) == depths(&expected) && is_part(list, generated)
         }

@@ -65,7 +65,7 @@ impl Plan {
     /// those before them too, which is what it promises.
     #[must_use]
     pub fn progress_of(&self, contract: &Contract) -> Vec<Progress> {
-        let begun = if contract.interlock { Progress::Lobe } else { Progress::Obe };
+        let begun = if contract.is_interlocked() { Progress::Lobe } else { Progress::Obe };
         self.progress.clone().unwrap_or_else(|| vec![begun, Progress::Fair])
     }
 
@@ -74,7 +74,7 @@ impl Plan {
     pub fn fragments_under(&self, contract: &Contract, memory: MemoryModel) -> u32 {
         match (self.fragments, memory) {
             // Every update of a cell is a message: the states of a table are many.
-            (n, MemoryModel::Relaxed(_)) if contract.crosses => n.unwrap_or(2).min(2),
+            (n, MemoryModel::Relaxed(_)) if contract.crosses() => n.unwrap_or(2).min(2),
             (None, MemoryModel::Sequential) => 4,
             (None, MemoryModel::Relaxed(_)) => 3,
             (Some(n), MemoryModel::Sequential) => n,
@@ -294,7 +294,7 @@ impl Survey {
             Some(given) => given.clone(),
             None => format!("n <= {}{k}{patterns}", self.size),
         };
-        let tables = if contract.crosses { ", some tables of 1 to 8 cells" } else { "" };
+        let tables = if contract.crosses() { ", some tables of 1 to 8 cells" } else { "" };
         let bound = format!("{what}{tables}, {}", self.conditions.memory.bound());
         Finding {
             method: contract.name.to_owned(),

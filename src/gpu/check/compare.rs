@@ -100,14 +100,14 @@ fn judge(contract: &Contract, k: Option<u32>, generated: &[u64], found: &[u64]) 
 /// depends on arrival, other fragments of the same depths where those are told from each other only by depth, and
 /// whatever a race may do to one that races.
 fn is_allowed(contract: &Contract, judged: &Judgement, right: &[u64], found: &[u64]) -> bool {
-    if contract.right_depths {
+    if contract.has_right_depths() {
         let depths = |keys: &[u64]| keys.iter().copied().map(depth_of).collect::<Vec<_>>();
         return judged.torn == 0 && depths(found) == depths(right);
     }
-    if contract.racy {
+    if contract.is_racy() {
         return found.len() <= right.len().max(1);
     }
-    contract.arrival_dependent
+    contract.is_arrival_dependent()
         && judged.torn + judged.duplicated == 0
         && contract.keeps == Keeps::FirstArrivals
         && found.len() == right.len()

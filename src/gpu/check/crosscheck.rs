@@ -262,13 +262,15 @@ impl BandRun<'_> {
             return failed(failure);
         }
         if !sum.is_equal() {
-            if sum.not_allowed > 0 || !(self.contract.racy || self.contract.arrival_dependent) {
+            if sum.not_allowed > 0
+                || !(self.contract.is_racy() || self.contract.is_arrival_dependent())
+            {
                 return (Status::Different, true, "not allowed by the contract".to_owned());
             }
             let [lost, duplicated, torn] = [sum.lost, sum.duplicated, sum.torn];
-            let why = if self.contract.right_depths {
+            let why = if self.contract.has_right_depths() {
                 "of equal depths any may stand"
-            } else if self.contract.racy {
+            } else if self.contract.is_racy() {
                 "it races"
             } else {
                 "it depends on arrival"
@@ -277,9 +279,9 @@ impl BandRun<'_> {
                 format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
             return (Status::Different, false, reason);
         }
-        let reason = if self.contract.racy && self.path == Path::Raster {
+        let reason = if self.contract.is_racy() && self.path == Path::Raster {
             "proves nothing about races: a driver may draw a tile in order, on one thread"
-        } else if self.contract.racy {
+        } else if self.contract.is_racy() {
             "this time; it races"
         } else if !self.contract.is_within_wgsl() {
             "not guaranteed by WGSL"

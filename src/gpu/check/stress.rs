@@ -107,7 +107,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let limits = Limits { states: STATES, cancelled: &|| false };
     let mut known = BTreeSet::new();
     for litmus in instances(&subject, &family).into_iter().filter(whole) {
-        if contract.crosses && known.contains(&litmus.fragments) {
+        if contract.crosses() && known.contains(&litmus.fragments) {
             continue;
         }
         let explored = explore::explore(&subject, &litmus, device_model, &limits);
@@ -118,7 +118,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let first = |pixels: &Vec<Held>| pixels[0].keys().unwrap_or_default().to_vec();
         let mut tally: BTreeMap<Vec<u64>, u64> =
             explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
-        if contract.crosses {
+        if contract.crosses() {
             // Copies share one table, in which all find room: so must they in the table that is explored.
             let mut all = litmus.generated(0);
             contract.keep(&mut all, None);

@@ -237,7 +237,7 @@ impl<'p> Band<'p> {
     #[must_use]
     pub fn expected(&self, method: Method, record: Record, k: Option<u32>) -> Rc<Expected> {
         let contract = method.contract();
-        let (keeps, identical) = (contract.keeps, contract.identical);
+        let (keeps, identical) = (contract.keeps, contract.keeps_alike());
         let question = Question { record, keeps, identical, k: k.or(contract.default_k) };
         let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
         if let Some((_, answer)) = known {

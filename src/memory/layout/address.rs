@@ -37,7 +37,7 @@ impl Numbering {
     /// The number of a word that does not exist.
     pub const OUTSIDE: u32 = u32::MAX;
 
-    /// The words of a layout for so many pixels.
+    /// The words of a layout for this many pixels.
     #[must_use]
     pub fn new(layout: &Layout, pixels: u32) -> Self {
         Self { frame: layout.per_frame(), pixel: layout.per_pixel(), pixels }
@@ -89,14 +89,14 @@ impl Numbering {
     }
 }
 
-/// Words at one moment, for looking at and not for computing with.
+/// Words at one moment, to be inspected, not computed with.
 pub struct Snapshot<'a> {
-    /// A word's value; `None` while it holds what nobody wrote.
+    /// A word's value; `None` while nothing has been written to it.
     pub value: &'a dyn Fn(Address) -> Option<u64>,
 }
 
 impl Snapshot<'_> {
-    /// The word's value; `None` while it holds what nobody wrote.
+    /// The word's value; `None` while nothing has been written to it.
     #[must_use]
     pub fn get<S: Space, K: Kind, W: Word>(&self, at: At<S, K, W>) -> Option<W> {
         (self.value)(at.address()).map(W::from_u64)

@@ -12,7 +12,7 @@ pub enum Per {
     Pixel,
     /// Each triangle of the scene, by its global index ([`Data::Primitive`](crate::fragment::Data)).
     Primitive,
-    /// So many words for the frame.
+    /// The frame: this many words.
     Frame(u64),
 }
 
@@ -25,7 +25,7 @@ pub struct Declared {
     pub per: Per,
     /// The value of every word that the application does not fill.
     pub default: u32,
-    /// The values that checks try; the default alone where it is empty.
+    /// The values that checks try; if empty, only the default.
     pub tried: &'static [u32],
 }
 
@@ -65,7 +65,7 @@ struct Filled {
 }
 
 impl Inputs {
-    /// Every word has its input's default: no words are stored.
+    /// Every word has its input's default: nothing is stored.
     #[must_use]
     pub fn defaults(layout: &Layout) -> Self {
         let table = |d: &Declared| Filled { words: Vec::new(), default: d.default };
@@ -85,7 +85,7 @@ impl Inputs {
         table.words.get(at.index as usize).copied().unwrap_or(table.default)
     }
 
-    /// Every input's words, as many as it has for so many pixels: those of triangles as far as they were filled.
+    /// Every input's words for this many pixels; those of triangles as far as they were filled.
     #[must_use]
     pub fn tables(&self, layout: &Layout, pixels: u32) -> Vec<Vec<u32>> {
         let table = |(table, declared): (&Filled, &Declared)| {

@@ -85,7 +85,7 @@ impl<S, K, W> Clone for Words<S, K, W> {
 impl<S, K, W> Copy for Words<S, K, W> {}
 
 impl<S, K, W> At<S, K, W> {
-    /// A word by its place: what only memories do that have no type for it.
+    /// A word by its place, for memories that have no type for it.
     #[inline(always)]
     pub(super) fn new(pixel: u32, word: u64) -> Self {
         Self { pixel, word, typed: PhantomData }
@@ -126,7 +126,8 @@ impl<K, W> Words<Global, K, W> {
 }
 
 impl<K, W> Words<Global, K, W> {
-    /// Which of the run's words stands at this place of the frame's words of its width, if one does.
+    /// The index within the run of the word at this place among the frame's words of its width, if it belongs to the
+    /// run.
     #[must_use]
     pub fn index_of(self, word: u64) -> Option<u64> {
         word.checked_sub(self.first).filter(|&index| index < self.count)
@@ -184,7 +185,7 @@ pub struct Layout {
     inputs: Vec<Declared>,
 }
 
-/// Words of the frame that never become smaller while fragments are stored.
+/// Words of the frame whose values never decrease while fragments are stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Growing {
     /// 32 or 64.
@@ -231,7 +232,7 @@ impl Layout {
     }
 
     /// Declare a lock for every pixel: a word that is 0 when free, taken by an exchange that finds 0 or by a
-    /// compare-exchange, and freed by a write of 0. Search checks that it excludes.
+    /// compare-exchange, and freed by a write of 0. Search checks mutual exclusion.
     pub fn lock(&mut self) -> Words<Pixel, Atomic, u32> {
         let words = self.pixel(1);
         self.locks.push(words.first);
@@ -239,19 +240,19 @@ impl Layout {
     }
 
     /// Declare the turn of the ordered interlock, a word for every pixel. It stands for what a device keeps in
-    /// hardware, and is no part of the method's own storage.
+    /// hardware, and is not part of the method's own storage.
     pub fn interlock(&mut self) -> Words<Pixel, Atomic, u32> {
         self.interlocks += 1;
         self.pixel(1)
     }
 
-    /// Say that no store invocation ever makes these words smaller. Checks look at it.
+    /// Say that no store invocation ever makes these words smaller. Checks verify it.
     pub fn grows<W: Word>(&mut self, words: Words<Global, Atomic, W>) {
         let all = words.first..words.first + words.count;
         self.growing.push(Growing { bits: W::BITS, words: all });
     }
 
-    /// Words that never become smaller while fragments are stored.
+    /// Words whose values never decrease while fragments are stored.
     #[must_use]
     pub fn growing(&self) -> &[Growing] {
         &self.growing
@@ -281,7 +282,7 @@ impl Layout {
         self.global
     }
 
-    /// Bytes for an image of so many pixels.
+    /// Bytes for an image of this many pixels.
     #[must_use]
     pub fn bytes(&self, pixels: u64) -> u64 {
         self.pixel.bytes().saturating_mul(pixels).saturating_add(self.global.bytes())

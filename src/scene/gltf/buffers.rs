@@ -24,7 +24,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], place: &str) -> Result<Chunks<'a>> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
     }
-    // The crate subtracts the header from the file's own length without looking.
+    // The crate subtracts the header from the file's own length without checking.
     let length = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     if length.is_none_or(|length| length < 12) {
         return Err(Error::new(place, "GLB header: length: must be at least 12"));

@@ -30,7 +30,7 @@ pub(super) fn placed_meshes(root: &Root, place: &str) -> Result<Vec<(usize, DMat
     Ok(meshes)
 }
 
-/// The roots of the default scene, else of the first, else all nodes that are nobody's child.
+/// The roots of the default scene, else of the first, else all nodes without a parent.
 fn roots(root: &Root, place: &str) -> Result<Vec<usize>> {
     let scene = root.scene.map_or(0, |scene| scene.value());
     match root.scenes.get(scene) {

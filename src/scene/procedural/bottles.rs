@@ -1,5 +1,5 @@
-//! Glass bottles, row behind row and one upon the other: surfaces of revolution with an outer and an inner
-//! wall, so that a line of sight meets each bottle four times.
+//! Glass bottles, row behind row and one on top of the other: surfaces of revolution with an outer and an inner wall,
+//! so that a line of sight meets each bottle four times.
 
 use std::sync::Arc;
 
@@ -17,8 +17,18 @@ pub(super) const BUILTIN: Builtin = Builtin {
     in_pixels: false,
     keys: &[
         Key { name: "columns", default: "5", range: Range::Count(1, 64), about: "side by side" },
-        Key { name: "rows", default: "3", range: Range::Count(1, 64), about: "behind each other" },
-        Key { name: "levels", default: "2", range: Range::Count(1, 64), about: "upon each other" },
+        Key {
+            name: "rows",
+            default: "3",
+            range: Range::Count(1, 64),
+            about: "one behind the other",
+        },
+        Key {
+            name: "levels",
+            default: "2",
+            range: Range::Count(1, 64),
+            about: "on top of each other",
+        },
         Key { name: "sides", default: "32", range: Range::Count(3, 512), about: "of a bottle" },
         Key::alpha("0.25"),
         Key::SEED,
@@ -79,7 +89,7 @@ fn generate(keys: &Keys<'_>, _: [u32; 2]) -> Result<Model> {
     Ok(model)
 }
 
-/// All places, levels outermost.
+/// All positions, levels outermost.
 fn grid(columns: u32, rows: u32, levels: u32) -> impl Iterator<Item = (u32, u32, u32)> {
     let count = columns * rows * levels;
     (0..count).map(move |i| (i % columns, i / columns % rows, i / (columns * rows)))

@@ -1,4 +1,4 @@
-//! What can be set about a procedural scene: keys with defaults, units and ranges, checked on use.
+//! The settings of a procedural scene: keys with defaults, units and ranges, checked on use.
 
 use std::collections::BTreeMap;
 
@@ -7,20 +7,20 @@ use toml::Value;
 use super::Builtin;
 use crate::error::{Error, Result};
 
-/// One thing that can be set.
+/// One setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// As in TOML and on the command line.
     pub name: &'static str,
     /// As it would be written.
     pub default: &'static str,
-    /// Which values are right.
+    /// Its valid values.
     pub range: Range,
     /// What it is, with its unit.
     pub about: &'static str,
 }
 
-/// Which values of a key are right; both ends belong to it.
+/// The valid values of a key; both ends are included.
 #[derive(Clone, Copy, Debug)]
 pub enum Range {
     /// Whole numbers.
@@ -123,7 +123,9 @@ impl<'a> Keys<'a> {
     /// One of the words of a choice.
     pub(super) fn choice(&self, name: &str) -> Result<&'static str> {
         let (key, value) = self.get(name)?;
-        let Range::Choice(words) = key.range else { return Err(self.wrong(name, "is no choice")) };
+        let Range::Choice(words) = key.range else {
+            return Err(self.wrong(name, "is not a choice"));
+        };
         let chosen = words.iter().find(|word| value.as_str() == Some(**word)).copied();
         chosen.ok_or_else(|| self.wrong(name, &format!("must be one of {}", words.join(", "))))
     }

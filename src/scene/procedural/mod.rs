@@ -24,13 +24,13 @@ use crate::error::{Error, Result};
 /// A procedural scene's entry in the catalogue.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
-    /// What SCENE and `procedural` say.
+    /// The name that SCENE and `procedural` use.
     pub name: &'static str,
     /// One line about it.
     pub about: &'static str,
     /// Whether it is made of `screen` triangles, in pixels, rather than of meshes in the world.
     pub in_pixels: bool,
-    /// What can be set.
+    /// Its settings.
     pub keys: &'static [Key],
     /// Its triangles for an image of `size` pixels, which only those in pixels look at.
     generate: fn(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model>,
@@ -67,11 +67,11 @@ pub fn generate(name: &str, keys: &BTreeMap<String, toml::Value>, size: [u32; 2]
 /// The catalogue's entry for `name`.
 ///
 /// # Errors
-/// Lists the names there are.
+/// Lists the known names.
 pub fn find(name: &str) -> Result<&'static Builtin> {
     BUILTINS.iter().find(|builtin| builtin.name == name).ok_or_else(|| {
         let names = BUILTINS.map(|builtin| builtin.name).join(", ");
-        Error::new(name, format!("scene: is no file and none of the built-in scenes {names}"))
+        Error::new(name, format!("scene: is neither a file nor one of the built-in scenes {names}"))
     })
 }
 
@@ -140,6 +140,6 @@ mod tests {
         assert_eq!(error("layers:alpha=nan"), "layers: alpha: NaN is not within 0 to 1");
         assert!(error("layers:color=1/2/3").starts_with("layers: color: must be three numbers"));
         assert!(error("synthetic:order=up").starts_with("synthetic: order: must be one of random"));
-        assert!(error("layres:").starts_with("layres: scene: is no file and none of"));
+        assert!(error("layres:").starts_with("layres: scene: is neither a file nor one of"));
     }
 }

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Form, Keeps, Program};
+use crate::scheme::contract::{Demand, Dependence, Keeps, Overflow};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// How slots are handed out, and up to which.
@@ -42,32 +42,18 @@ pub struct AbArray<T> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ab-array",
     title: "A-buffer in fixed arrays of n slots",
     paper: "Liu, Huang, Liu, Wu 2010 (FreePipe); Crassin 2010a",
     section: "k+-buffer paper, 2",
-    form: Form::Correct,
-    program: Program::STORE,
     words: "2n + 1",
-    frame_words: "0",
-    published_words: None,
-    keeps: Keeps::FirstArrivals,
     exact_when: "n >= max f(p); n is -k, or measured",
-    arrival_dependent: true,
-    racy: false,
-    judged: false,
-    ties: "all kept; canonical after resolve",
-    overflow: "drop by arrival, counted",
+    overflow: Overflow::Drops("drop by arrival, counted"),
     needs: "32-bit atomic add, relaxed",
     wgsl: Some("storage buffers; atomicAdd"),
-    depth_format: None,
-    default_k: None,
-    max_k: u32::MAX,
     demand: Demand::MaxDepthComplexity,
-    page: 1,
-    interlock: false,
     source: include_str!("ab_array.rs"),
-    ..Contract::BASE
+    dependence: Dependence::Arrival,
+    ..Contract::new("ab-array", Keeps::FirstArrivals)
 };
 
 impl Ticket for AtomicAdd {

@@ -9,7 +9,6 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Layout, Memory, Order, Snapshot};
-use crate::scheme::contract::{Demand, Form, Keeps, Program};
 use crate::scheme::parts::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -50,32 +49,13 @@ pub struct AbLinkedList<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ab-ll",
     title: "A-buffer in per-pixel linked lists",
     paper: "Yang, Hensley, Grün, Thibieroz 2010",
     section: "k+-buffer paper, 2 (LL)",
-    form: Form::Correct,
-    program: Program::STORE,
-    words: "1",
-    frame_words: "3F + 1",
-    published_words: None,
-    keeps: Keeps::All,
-    exact_when: "the pool holds F nodes (it does)",
-    arrival_dependent: false,
-    racy: false,
-    judged: false,
-    ties: "all kept; canonical after resolve",
-    overflow: "drop, counted",
     needs: "32-bit atomic add and exchange, relaxed",
     wgsl: Some("storage buffers; atomicAdd, atomicExchange"),
-    depth_format: None,
-    default_k: None,
-    max_k: u32::MAX,
-    demand: Demand::Generated,
-    page: 1,
-    interlock: false,
     source: include_str!("ab_ll.rs"),
-    ..Contract::BASE
+    ..super::linked("ab-ll")
 };
 
 impl Variant for Correct {
@@ -84,7 +64,7 @@ impl Variant for Correct {
 
 impl Variant for PublishedFirst {
     const CONTRACT: Contract = Contract {
-        racy: false,
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "ab-ll@M11",
             "Fault M11: a node is published before it is written (equivalent here)",
@@ -96,7 +76,7 @@ impl Variant for PublishedFirst {
 
 impl Variant for OneTooMany {
     const CONTRACT: Contract = Contract {
-        racy: false,
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "ab-ll@M14",
             "Fault M14: the bound test lets one node too many through",

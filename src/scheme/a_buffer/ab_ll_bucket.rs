@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, depth_of};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Demand, Pass, PassKind, Program};
+use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
 use crate::scheme::parts::list::Lists;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -59,22 +59,17 @@ pub struct AbBucketList<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ab-ll-bucket",
     title: "A-buffer in four linked lists per pixel, by uniform depth buckets",
     paper: "Vasilakis, Fudos 2013",
     section: "k+-buffer paper, 2",
     program: Program::of(&[RANGE, Pass::store(Barrier::Pixel)]),
     words: "6",
-    frame_words: "3F + 1",
-    exact_when: "the pool holds F nodes (it does)",
-    overflow: "drop, counted",
     needs: "32-bit atomic add, exchange, minimum and maximum, relaxed",
     wgsl: Some(
         "storage buffers; atomicAdd, atomicExchange, atomicMin, atomicMax; 64-bit arithmetic emulated",
     ),
-    demand: Demand::Generated,
     source: include_str!("ab_ll_bucket.rs"),
-    ..Contract::BASE_ALL
+    ..super::linked("ab-ll-bucket")
 };
 
 impl Variant for Correct {

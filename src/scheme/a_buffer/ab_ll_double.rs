@@ -12,7 +12,6 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Global, Layout, Memory, Order, Plain, Snapshot, Words};
-use crate::scheme::contract::Demand;
 use crate::scheme::parts::list::{Lists, NONE};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -47,19 +46,13 @@ pub struct AbDoubleList<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ab-ll-double",
     title: "A-buffer in doubly linked lists (reconstructed)",
     paper: "none: a variant of Yang et al. 2010 that surveys name",
     section: "reconstructed",
-    words: "1",
     frame_words: "4F + 1",
-    exact_when: "the pool holds F nodes (it does)",
-    overflow: "drop, counted",
     needs: "32-bit atomic add; atomic exchange with acquire and release",
-    wgsl: None,
-    demand: Demand::Generated,
     source: include_str!("ab_ll_double.rs"),
-    ..Contract::BASE_ALL
+    ..super::linked("ab-ll-double")
 };
 
 impl Variant for Correct {

@@ -15,7 +15,7 @@ use crate::fragment::{Fragment, key};
 use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
 use crate::scheme::parts::list::NONE;
-use crate::scheme::parts::lock::{FREE, SpinLock};
+use crate::scheme::parts::lock::{self, FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Fragments of a page.
@@ -65,20 +65,18 @@ pub struct AbPagedList<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ab-ll-paged",
     title: "A-buffer in per-pixel linked lists of pages of 4",
     paper: "Crassin 2010b",
     section: "k+-buffer paper, 2 (LL-Paged)",
     words: "3",
     frame_words: "9Q + 1",
     exact_when: "the pool holds Q pages (it does)",
-    overflow: "drop, counted",
-    needs: "acquire and release on a 32-bit word; forward progress of the lock's holder",
-    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
+    needs: lock::NEEDS,
+    wgsl: lock::WGSL,
     demand: Demand::Bounded,
     page: PAGE,
     source: include_str!("ab_ll_paged.rs"),
-    ..Contract::BASE_ALL
+    ..super::linked("ab-ll-paged")
 };
 
 impl Variant for Correct {
@@ -96,7 +94,7 @@ impl Variant for PlainUnlock {
 
 impl Variant for OneTooMany {
     const CONTRACT: Contract = Contract {
-        racy: false,
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "ab-ll-paged@M14",
             "Fault M14: the bound test lets one page too many through",

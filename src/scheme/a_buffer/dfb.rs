@@ -7,7 +7,7 @@
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Program};
+use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::ranges::{self, Ranges};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -27,20 +27,14 @@ pub struct DynamicFragmentBuffer {
 
 impl Scheme for DynamicFragmentBuffer {
     const CONTRACT: Contract = Contract {
-        name: "dfb",
         title: "dynamic fragment buffer: count, prefix sum, store, sort",
         paper: "Maule, Comba, Torchelsen, Bastos 2012",
         section: "fragment merging paper, 5 (DFB)",
-        program: Program::of(ranges::PASSES),
         words: "3",
-        frame_words: "2S + G + H",
         exact_when: "f(p) <= 1024",
-        overflow: "beyond 1024 at a pixel, drop by arrival, counted",
-        needs: "32-bit atomic add, relaxed; two geometry passes that generate the same fragments",
-        wgsl: Some("storage buffers; atomicAdd"),
-        demand: Demand::Bounded,
+        overflow: Overflow::Drops("beyond 1024 at a pixel, drop by arrival, counted"),
         source: include_str!("dfb.rs"),
-        ..Contract::BASE_ALL
+        ..ranges::counted("dfb", Keeps::All)
     };
 
     type Holds = Keys;

@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Barrier, Demand, Pass, Program};
+use crate::scheme::contract::{Barrier, Keeps, Overflow, Pass, Program};
 use crate::scheme::parts::ranges::{self, Ranges};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -48,19 +48,13 @@ pub struct SBuffer<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "s-buffer",
     title: "A-buffer in exact contiguous ranges: count, prefix sum, store",
     paper: "Vasilakis, Fudos 2012",
     section: "k+-buffer paper, 2 and 3.3 (SB)",
-    program: Program::of(ranges::PASSES),
     words: "2",
-    frame_words: "2S + G + H",
-    overflow: "drop, counted",
-    needs: "32-bit atomic add, relaxed; two geometry passes that generate the same fragments",
-    wgsl: Some("storage buffers; atomicAdd"),
-    demand: Demand::Bounded,
+    overflow: Overflow::Drops("drop, counted"),
     source: include_str!("s_buffer.rs"),
-    ..Contract::BASE_ALL
+    ..ranges::counted("s-buffer", Keeps::All)
 };
 
 impl Variant for Correct {
@@ -98,7 +92,7 @@ impl Variant for NoBarrier {
 
 impl Variant for OneTooMany {
     const CONTRACT: Contract = Contract {
-        racy: false,
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "s-buffer@M14",
             "Fault M14: the bound test lets one record too many through",

@@ -27,7 +27,7 @@ use super::table::{Place, Table};
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
 use crate::memory::{Event, Layout, Memory, Order, Snapshot, Word};
 use crate::num::depth::Format;
-use crate::scheme::contract::{Barrier, Demand, Form, Keeps, Pass, PassKind, Program};
+use crate::scheme::contract::{Alike, Barrier, Form, Keeps, Overflow, Pass, PassKind, Program};
 use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
 /// The largest depth of 24 bits.
@@ -162,26 +162,18 @@ pub struct HaBuffer<R: Record, V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ha64",
     title: "HA-buffer: all fragments in one hash table, sorted as they are inserted",
     paper: "Lefebvre, Hornus, Lasram 2013",
     section: "HA-buffer paper, 4.1",
     program: PROGRAM,
-    frame_words: "2C + B",
-    keeps: Keeps::All,
-    identical: false,
     exact_when: "no age limit is met, depths have 24 bits, and no two fragments of a pixel are alike",
-    crosses: true,
-    settled_overflow: true,
-    ties: "canonical after resolve; of records that are alike, one is kept, and the others are counted",
-    overflow: "beyond the largest age, or where the table is full: drop, counted",
-    needs: "64-bit atomic maximum, relaxed",
-    wgsl: Some("storage buffers; 64-bit atomicMax (not in the standard)"),
     depth_format: Some(Format::D24),
     depth_bits: 24,
-    demand: Demand::Generated,
     source: include_str!("ha.rs"),
-    ..Contract::BASE_ALL
+    alike: Alike::Once,
+    overflow: Overflow::Settled(super::OVERFLOW),
+    ties: super::TIES,
+    ..super::hashed("ha64", Keeps::All)
 };
 
 const CONTRACT_32: Contract = Contract {
@@ -209,8 +201,8 @@ impl Variant<Bits64> for Multiset {
         name: "ha64-multiset",
         title: "HA-buffer that keeps fragments that are wholly alike",
         exact_when: "no age limit is met, and depths have 24 bits",
-        identical: true,
         ties: "canonical after resolve",
+        alike: Alike::Each,
         ..CONTRACT
     };
     const MULTISET: bool = true;

@@ -22,7 +22,7 @@ use super::table::Table;
 use crate::fragment::{Data, Fragment, depth_of};
 use crate::memory::{Event, Inside, Layout, Memory, Order, Snapshot};
 use crate::num::depth::Format;
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Alike, Dependence, Form, Keeps};
 use crate::scheme::parts::visible::{CLEAR, behind};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
@@ -57,27 +57,19 @@ pub struct HaCull<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "ha64-cull",
     title: "HA-buffer that culls what is behind opaque fragments",
     paper: "Lefebvre, Hornus, Lasram 2013",
     section: "HA-buffer paper, 5",
     program: ha::PROGRAM,
-    frame_words: "2C + B",
-    keeps: Keeps::Visible,
-    identical: false,
     exact_when: "for what is seen; all, where no opacity reaches the threshold",
-    arrival_dependent: true,
-    crosses: true,
-    ties: "canonical after resolve; of records that are alike, one is kept, and the others are counted",
-    overflow: "beyond the largest age, or where the table is full: drop, counted",
-    needs: "64-bit atomic maximum, relaxed",
-    wgsl: Some("storage buffers; 64-bit atomicMax (not in the standard)"),
     depth_format: Some(Format::D24),
     depth_bits: 24,
     data: Some(Data::Color),
-    demand: Demand::Generated,
     source: include_str!("ha_cull.rs"),
-    ..Contract::BASE_ALL
+    alike: Alike::Once,
+    dependence: Dependence::Arrival,
+    ties: super::TIES,
+    ..super::hashed("ha64-cull", Keeps::Visible)
 };
 
 impl Variant for Correct {
@@ -90,7 +82,7 @@ impl Variant for Published {
         title: "HA-buffer with early culling as published: a fragment may be counted twice",
         form: Form::Published,
         exact_when: "no two invocations overlap",
-        racy: true,
+        dependence: CONTRACT.dependence.racy(),
         ..CONTRACT
     };
     const ONCE: bool = false;

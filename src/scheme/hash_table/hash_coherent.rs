@@ -15,7 +15,7 @@ use super::ha::PROGRAM;
 use super::table::Table;
 use crate::fragment::Fragment;
 use crate::memory::{Event, Global, Layout, Memory, Order, Plain, Pool, Snapshot, Words};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Dependence, Form, Keeps};
 use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
 /// Bits of a key: more pixels than that are refused.
@@ -47,22 +47,17 @@ pub struct HashCoherent<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "hash-coherent",
     title: "Coherent hashing with explicit keys, and lists to be sorted",
     paper: "García, Lefebvre, Hornus, Lasram 2011",
     section: "HA-buffer paper, 2.5.1",
     program: PROGRAM,
     frame_words: "2C + B + 2F + 1",
     exact_when: "no age limit is met",
-    crosses: true,
-    ties: "all kept; canonical after resolve",
-    overflow: "beyond the largest age, or where the table is full: drop, counted",
     needs: "64-bit atomic maximum, 32-bit atomic add, relaxed",
     wgsl: Some("storage buffers; atomicAdd, 64-bit atomicMax (not in the standard)"),
     max_pixels: 1 << KEY_BITS,
-    demand: Demand::Generated,
     source: include_str!("hash_coherent.rs"),
-    ..Contract::BASE_ALL
+    ..super::hashed("hash-coherent", Keeps::All)
 };
 
 impl Variant for Correct {
@@ -76,8 +71,7 @@ impl Variant for Published {
         form: Form::Published,
         keeps: Keeps::Some,
         exact_when: "nobody is pushed out",
-        arrival_dependent: true,
-        racy: true,
+        dependence: Dependence::ArrivalAndInterleaving,
         ..CONTRACT
     };
     const OWN_DATA: bool = false;

@@ -9,7 +9,7 @@
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Layout, Memory, Pixel, Plain, Snapshot, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Demand, Form, Keeps, Program};
+use crate::scheme::contract::{Dependence, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Registers for entries: 4 times what eight render targets held in 2007.
@@ -35,32 +35,20 @@ pub struct KBuffer {
 
 impl Scheme for KBuffer {
     const CONTRACT: Contract = Contract {
-        name: "kb",
         title: "k-buffer without synchronisation",
         paper: "Bavoil, Callahan, Lefohn, Comba, Silva 2007",
         section: "k+-buffer paper, 2 (KB)",
         form: Form::Published,
-        program: Program::STORE,
         words: "2k",
-        frame_words: "0",
         published_words: Some("2k"),
-        keeps: Keeps::Nearest,
         exact_when: "no two invocations of a pixel overlap",
-        arrival_dependent: false,
-        racy: true,
-        judged: false,
         ties: "canonical, one after another",
-        overflow: "the farthest is evicted",
         needs: "nothing it could get",
         wgsl: Some("storage buffers; a data race"),
-        depth_format: None,
-        default_k: Some(8),
         max_k: MAX_K as u32,
-        demand: Demand::Nothing,
-        page: 1,
-        interlock: false,
         source: include_str!("kb.rs"),
-        ..Contract::BASE
+        dependence: Dependence::Interleaving,
+        ..Contract::new("kb", Keeps::Nearest)
     };
 
     type Holds = Keys;

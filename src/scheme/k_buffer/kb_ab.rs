@@ -11,7 +11,7 @@ use crate::memory::{Inside, Layout, Memory, Snapshot};
 use crate::scheme::a_buffer::ab_array::{AbArray, AtomicAdd};
 use crate::scheme::a_buffer::ab_ll::{self, AbLinkedList};
 use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
-use crate::scheme::contract::{Form, Keeps};
+use crate::scheme::contract::{Accounting, Keeps, Overflow};
 use crate::scheme::parts::select;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -74,21 +74,19 @@ const fn selected(
     of: Contract,
 ) -> Contract {
     Contract {
-        name,
         title,
         paper: "Yu, Yang, Hensley, Harada, Yu 2012; Vasilakis, Fudos 2014",
         section,
+        program: of.program,
+        words: of.words,
         frame_words,
-        form: Form::Correct,
-        keeps: Keeps::Nearest,
-        exact_when: "always",
-        arrival_dependent: false,
-        judged: true,
-        ties: Contract::BASE.ties,
-        overflow: "selected at resolve",
-        default_k: Contract::BASE.default_k,
-        max_k: Contract::BASE.max_k,
-        ..of
+        overflow: Overflow::Never("selected at resolve"),
+        accounting: Accounting::Judged,
+        needs: of.needs,
+        wgsl: of.wgsl,
+        demand: of.demand,
+        source: of.source,
+        ..Contract::new(name, Keeps::Nearest)
     }
 }
 

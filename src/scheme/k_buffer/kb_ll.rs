@@ -20,7 +20,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Snapshot};
-use crate::scheme::contract::Demand;
+use crate::scheme::contract::{Accounting, Demand, Keeps, Overflow};
 use crate::scheme::parts::list::{Flaw, Lists, NONE};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -55,21 +55,20 @@ pub struct KNearestList<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kb-ll",
     title: "k-buffer in a sorted linked list, by compare-exchange",
     paper: "Yu, Yang, Hensley, Harada, Yu 2012",
     section: "k+-buffer paper, 2 (KB-LL)",
     words: "1",
     frame_words: "3F + 1",
-    judged: true,
-    overflow: "nodes behind the k-th stay in the pool, which holds F",
+    overflow: Overflow::Never("nodes behind the k-th stay in the pool, which holds F"),
     needs: "compare-exchange with release, acquire loads; 32-bit atomic add",
     wgsl: Some(
         "storage buffers; a publication is outside WGSL's guarantees (relaxed atomics only)",
     ),
     demand: Demand::Generated,
     source: include_str!("kb_ll.rs"),
-    ..Contract::BASE
+    accounting: Accounting::Judged,
+    ..Contract::new("kb-ll", Keeps::Nearest)
 };
 
 impl Variant for Correct {

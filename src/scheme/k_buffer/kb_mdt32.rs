@@ -13,7 +13,9 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::{EMPTY, Format};
-use crate::scheme::contract::{Barrier, Form, Pass, PassKind, Program};
+use crate::scheme::contract::{
+    Accounting, Barrier, Dependence, Form, Keeps, Pass, PassKind, Program,
+};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The published form, or a fault in it.
@@ -46,7 +48,6 @@ pub struct KbMdt32<V = Published> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kb-mdt32",
     title: "k-buffer by 32-bit atomic minima, data in a second pass",
     paper: "Liu, Huang, Liu, Wu 2010; Maule, Comba, Torchelsen, Bastos 2013",
     section: "k+-buffer paper, 2 (KB-MDT)",
@@ -58,17 +59,14 @@ const CONTRACT: Contract = Contract {
     words: "2k",
     published_words: Some("2k"),
     exact_when: "no two fragments of a pixel have the same 24-bit depth",
-    arrival_dependent: true,
-    racy: true,
-    right_depths: true,
-    judged: true,
     ties: "one of equal depth stands for all: whichever writes last",
-    overflow: "the farthest is evicted",
     needs: "32-bit atomic minimum, relaxed",
     wgsl: Some("storage buffers; atomicMin"),
     depth_format: Some(Format::D24),
     source: include_str!("kb_mdt32.rs"),
-    ..Contract::BASE
+    accounting: Accounting::Judged,
+    dependence: Dependence::Ties,
+    ..Contract::new("kb-mdt32", Keeps::Nearest)
 };
 
 impl Variant for Published {

@@ -4,6 +4,7 @@
 //! Every minimum keeps the multiset of what entries hold and invocations carry, so nothing is lost or doubled whatever
 //! the interleaving, and in the end the entries are the k smallest in order.
 
+use crate::scheme::contract::Keeps;
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, key};
@@ -42,17 +43,15 @@ pub struct KbMdt64<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kb-mdt64",
     title: "k-buffer by 64-bit atomic minima",
     paper: "Liu, Huang, Liu, Wu 2010",
     section: "k+-buffer paper, 2 (KB-MDT, single pass)",
     words: "2k",
     published_words: Some("2k"),
-    overflow: "the farthest is evicted",
     needs: "64-bit atomic minimum, relaxed",
     wgsl: Some("storage buffers; 64-bit atomicMin (not in the standard)"),
     source: include_str!("kb_mdt64.rs"),
-    ..Contract::BASE
+    ..Contract::new("kb-mdt64", Keeps::Nearest)
 };
 
 impl Variant for Correct {

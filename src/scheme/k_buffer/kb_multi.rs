@@ -17,7 +17,7 @@ use super::kb::insert;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
+use crate::scheme::contract::{Accounting, Barrier, Keeps, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Registers for entries, as in `kb`.
@@ -68,7 +68,6 @@ pub struct KBufferMulti<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kb-multi",
     title: "k-buffer without synchronisation, verified and repeated (reconstructed)",
     paper: "Liu, Wei, Xu, Wu 2009a",
     section: "k+-buffer paper, 2 (KB-Multi)",
@@ -77,13 +76,12 @@ const CONTRACT: Contract = Contract {
         Pass::store(Barrier::Pixel),
     ]),
     words: "3k + 6",
-    judged: true,
-    overflow: "the farthest is evicted",
     needs: "64-bit atomic load, store and min, 32-bit atomic add, relaxed; a query whether any pixel goes on",
     wgsl: Some("64-bit atomics where there are; atomicAdd"),
     max_k: MAX_K as u32,
     source: include_str!("kb_multi.rs"),
-    ..Contract::BASE
+    accounting: Accounting::Judged,
+    ..Contract::new("kb-multi", Keeps::Nearest)
 };
 
 impl Variant for Correct {

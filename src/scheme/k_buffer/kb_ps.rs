@@ -4,6 +4,7 @@
 //! Entries are sorted front to back; an insertion shifts what is farther and lets the last one fall out. WGSL has no
 //! interlock.
 
+use crate::scheme::contract::{Entry, Keeps};
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
@@ -42,18 +43,16 @@ pub struct KbPixelSync<V = Correct> {
 const MAX_K: usize = 64;
 
 const CONTRACT: Contract = Contract {
-    name: "kb-ps",
     title: "k-buffer in an ordered interlock",
     paper: "Salvi 2013",
     section: "k+-buffer paper, 2 and 3.1 (KB-PS)",
     words: "2k",
     published_words: Some("2k"),
-    overflow: "the farthest is evicted",
     needs: "the ordered interlock; invocations of a pixel are started in order",
     max_k: MAX_K as u32,
-    interlock: true,
     source: include_str!("kb_ps.rs"),
-    ..Contract::BASE
+    entry: Entry::Interlock,
+    ..Contract::new("kb-ps", Keeps::Nearest)
 };
 
 impl Variant for Correct {

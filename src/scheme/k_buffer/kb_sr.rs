@@ -9,7 +9,7 @@
 use crate::fragment::Fragment;
 use crate::fragment::key;
 use crate::memory::{Layout, Memory, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Form, Keeps};
+use crate::scheme::contract::{Demand, Dependence, Entry, Form, Keeps, Overflow};
 use crate::scheme::parts::interlock::Interlock;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -31,25 +31,21 @@ pub struct KbStencilRouted {
 
 impl Scheme for KbStencilRouted {
     const CONTRACT: Contract = Contract {
-        name: "kb-sr",
         title: "stencil-routed k-buffer: the first n fragments to arrive",
         paper: "Myers, Bavoil 2007; Bavoil, Myers 2008",
         section: "k+-buffer paper, 2 (KB-SR)",
         form: Form::Published,
         words: "3n",
         published_words: Some("3n"),
-        keeps: Keeps::FirstArrivals,
         exact_when: "f(p) <= n; n is -k, or measured, and at most 32",
-        arrival_dependent: true,
-        ties: "all kept; canonical after resolve",
-        overflow: "drop by arrival, counted",
+        overflow: Overflow::Drops("drop by arrival, counted"),
         needs: "fixed-function stencil in API order (the ordered interlock here)",
-        default_k: None,
         max_k: MAX_SAMPLES,
         demand: Demand::MaxDepthComplexity,
-        interlock: true,
         source: include_str!("kb_sr.rs"),
-        ..Contract::BASE
+        entry: Entry::Interlock,
+        dependence: Dependence::Arrival,
+        ..Contract::new("kb-sr", Keeps::FirstArrivals)
     };
 
     type Holds = Keys;

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::{EMPTY, FARTHEST};
-use crate::scheme::contract::{Demand, Form, Keeps, Program};
+use crate::scheme::contract::Keeps;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
@@ -40,32 +40,16 @@ pub struct ZBuffer<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "z-buffer",
     title: "Nearest fragment only",
     paper: "Catmull 1974",
     section: "k+-buffer paper, 3.4 (k = 1)",
-    form: Form::Correct,
-    program: Program::STORE,
     words: "2",
-    frame_words: "0",
-    published_words: None,
-    keeps: Keeps::One,
     exact_when: "always (k = 1)",
-    arrival_dependent: false,
-    racy: false,
-    judged: false,
     ties: "canonical: the smaller data word stays",
-    overflow: "none",
     needs: "64-bit atomic min, relaxed",
     wgsl: Some("the device's depth test, or 64-bit atomicMin where there is one"),
-    depth_format: None,
-    default_k: None,
-    max_k: u32::MAX,
-    demand: Demand::Nothing,
-    page: 1,
-    interlock: false,
     source: include_str!("z_buffer.rs"),
-    ..Contract::BASE
+    ..Contract::new("z-buffer", Keeps::One)
 };
 
 impl Variant for Correct {
@@ -74,7 +58,7 @@ impl Variant for Correct {
 
 impl Variant for ClearedToFarPlane {
     const CONTRACT: Contract = Contract {
-        racy: false,
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "z-buffer@M18",
             "Fault M18: cleared to depth 1.0, so that the far plane is culled",

@@ -1,7 +1,7 @@
 //! k+-buffer with the published choice of structure (Vasilakis, Fudos 2014, section 3.2): a max-array for k <= 16, a
 //! max-heap above.
 
-use super::kplus_array::{self, KPlusArray};
+use super::kplus_array::KPlusArray;
 use super::kplus_heap::{self, KPlusHeap};
 use super::kplus_sb::ARRAY_UP_TO;
 use crate::fragment::Fragment;
@@ -12,7 +12,7 @@ use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 #[derive(Debug)]
 pub enum KPlus {
     /// For small k.
-    Array(KPlusArray<kplus_array::Correct>),
+    Array(KPlusArray),
     /// For large k.
     Heap(KPlusHeap<kplus_heap::Correct>),
 }
@@ -22,7 +22,7 @@ impl Scheme for KPlus {
         name: "kplus",
         title: "k+-buffer: max-array for k <= 16, max-heap above",
         section: "3.1, 3.2 (K+B)",
-        source: <KPlusArray<kplus_array::Correct> as Scheme>::CONTRACT.source,
+        source: KPlusArray::CONTRACT.source,
         ..<KPlusHeap<kplus_heap::Correct> as Scheme>::CONTRACT
     };
 

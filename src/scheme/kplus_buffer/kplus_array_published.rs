@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words, both};
-use crate::scheme::contract::{Demand, Form, Keeps, Program};
+use crate::scheme::contract::{Dependence, Form, Keeps};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// How the lock is taken and released.
@@ -45,32 +45,17 @@ pub struct KPlusArrayPublished<L = PlainUnlock> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kplus-array@published",
     title: "k+-buffer: spin lock and max-array, as in Algorithm 3",
-    paper: "Vasilakis, Fudos 2014",
     section: "3.1, 3.2, Algorithms 1 and 3 (K+B-Array)",
     form: Form::Published,
-    program: Program::STORE,
-    words: "2k + 2",
-    frame_words: "0",
     published_words: Some("2k + 2"),
-    keeps: Keeps::Nearest,
     exact_when: "no two invocations of a pixel overlap, and depths differ",
-    arrival_dependent: true,
-    racy: true,
-    judged: false,
     ties: "the first to arrive stays",
-    overflow: "the farthest is evicted",
     needs: "32-bit atomic exchange; forward progress of the lock's holder",
     wgsl: Some("storage buffers; a data race"),
-    depth_format: None,
-    default_k: Some(8),
-    max_k: u32::MAX / 4,
-    demand: Demand::Nothing,
-    page: 1,
-    interlock: false,
     source: include_str!("kplus_array_published.rs"),
-    ..Contract::BASE
+    dependence: Dependence::ArrivalAndInterleaving,
+    ..super::locked("kplus-array@published", Keeps::Nearest)
 };
 
 impl Locking for PlainUnlock {

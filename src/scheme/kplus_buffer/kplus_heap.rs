@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
-use crate::scheme::contract::Form;
+use crate::scheme::contract::{Dependence, Form, Keeps};
 use crate::scheme::parts::lock::{FREE, SpinLock};
 use crate::scheme::parts::max_heap;
 use crate::scheme::parts::max_heap::By;
@@ -79,17 +79,11 @@ pub struct KPlusHeap<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kplus-heap",
     title: "k+-buffer: spin lock and max-heap",
-    paper: "Vasilakis, Fudos 2014",
     section: "3.1, 3.2, Algorithms 1 to 3 (K+B-Heap)",
-    words: "2k + 2",
     published_words: Some("2k + 2"),
-    overflow: "the farthest is evicted",
-    needs: "acquire and release on a 32-bit word; forward progress of the lock's holder",
-    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
     source: include_str!("kplus_heap.rs"),
-    ..Contract::BASE
+    ..super::locked("kplus-heap", Keeps::Nearest)
 };
 
 impl Variant for Correct {
@@ -102,11 +96,10 @@ impl Variant for Published {
         title: "k+-buffer: spin lock and max-heap, as in Algorithms 2 and 3",
         form: Form::Published,
         exact_when: "no two invocations of a pixel overlap, and depths differ",
-        arrival_dependent: true,
-        racy: true,
         ties: "the first to arrive stays",
         needs: "32-bit atomic exchange; forward progress of the lock's holder",
         wgsl: Some("storage buffers; a data race"),
+        dependence: Dependence::ArrivalAndInterleaving,
         ..CONTRACT
     };
     const LOCK: Order = Order::Relaxed;
@@ -147,7 +140,7 @@ impl Variant for PlainUnlock {
 
 impl Variant for DropsByArrival {
     const CONTRACT: Contract = Contract {
-        arrival_dependent: true,
+        dependence: Dependence::ArrivalAndInterleaving,
         ..CONTRACT.fault("kplus-heap@M8", "Fault M8: overflow drops by arrival", "f(p) <= k")
     };
     const EVICTS: bool = false;

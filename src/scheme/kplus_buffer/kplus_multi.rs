@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Barrier, Pass, Program};
+use crate::scheme::contract::{Accounting, Barrier, Keeps, Overflow, Pass, Program};
 use crate::scheme::parts::lock::{FREE, SpinLock};
 use crate::scheme::parts::max_array::{append, replace};
 use crate::scheme::parts::slots::{OfPixel, entry};
@@ -53,20 +53,17 @@ pub struct KPlusMulti<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kplus-multi",
     title: "Memory-bounded A-buffer: rounds of a k+-buffer",
-    paper: "Vasilakis, Fudos 2014",
     section: "3.4",
     program: Program::repeated(&[Pass::store(Barrier::Pixel)]),
     words: "2k + 6",
-    judged: true,
-    overflow: "the farthest wait for the next round",
+    overflow: Overflow::Never("the farthest wait for the next round"),
     needs: "acquire and release on a 32-bit word; forward progress of the lock's holder; a query whether any pixel goes on",
-    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
     default_k: Some(8),
     max_k: u32::MAX / 4,
     source: include_str!("kplus_multi.rs"),
-    ..Contract::BASE_ALL
+    accounting: Accounting::Judged,
+    ..super::locked("kplus-multi", Keeps::All)
 };
 
 impl Variant for Correct {

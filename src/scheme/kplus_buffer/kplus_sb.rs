@@ -17,8 +17,8 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
-use crate::scheme::contract::{Demand, Form, Program};
-use crate::scheme::parts::lock::{FREE, SpinLock};
+use crate::scheme::contract::{Form, Keeps};
+use crate::scheme::parts::lock::{self, FREE, SpinLock};
 use crate::scheme::parts::ranges::{self, Ranges};
 use crate::scheme::parts::slots::{OfFrame, Slots, entry};
 use crate::scheme::parts::{max_array, max_heap};
@@ -62,19 +62,14 @@ pub struct KPlusSb<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "kplus-sb",
     title: "k+-buffer in exact contiguous ranges, array or heap per pixel",
-    paper: "Vasilakis, Fudos 2014",
     section: "3.3, Algorithm 3 (K+B-SB)",
-    program: Program::of(ranges::PASSES),
+    paper: "Vasilakis, Fudos 2014",
     words: "3",
-    frame_words: "2S + G + H",
-    overflow: "the farthest is evicted",
+    wgsl: lock::WGSL,
     needs: "acquire and release on a 32-bit word; forward progress of the lock's holder; two geometry passes that \
             generate the same fragments",
-    wgsl: Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)"),
-    demand: Demand::Bounded,
-    ..Contract::BASE
+    ..ranges::counted("kplus-sb", Keeps::Nearest)
 };
 
 impl Variant for Correct {

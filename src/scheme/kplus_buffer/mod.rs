@@ -7,3 +7,17 @@ pub mod kplus_array_published;
 pub mod kplus_heap;
 pub mod kplus_multi;
 pub mod kplus_sb;
+
+use super::contract::{Contract, Keeps};
+use super::parts::lock;
+
+/// What k+-buffers have in common: a lock per pixel.
+const fn locked(name: &'static str, keeps: Keeps) -> Contract {
+    Contract {
+        paper: "Vasilakis, Fudos 2014",
+        words: "2k + 2",
+        needs: lock::NEEDS,
+        wgsl: lock::WGSL,
+        ..Contract::new(name, keeps)
+    }
+}

@@ -22,6 +22,14 @@ use std::future::Future;
 
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
 
+/// What a method with a lock needs.
+pub const NEEDS: &str =
+    "acquire and release on a 32-bit word; forward progress of the lock's holder";
+
+/// How WGSL can express it.
+pub const WGSL: Option<&str> =
+    Some("storage buffers; a lock is outside WGSL's guarantees (relaxed atomics only)");
+
 /// What a try returns when it got the lock.
 pub const FREE: u32 = 0;
 

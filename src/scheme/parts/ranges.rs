@@ -14,8 +14,8 @@
 //! tiling. Offsets within a block depend on the order of arrival; which records a pixel holds does not.
 
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::Config;
-use crate::scheme::contract::{Barrier, Pass, PassKind};
+use crate::scheme::contract::{Barrier, Demand, Pass, PassKind, Program};
+use crate::scheme::{Config, Contract, Keeps};
 
 /// Pixels of a block, and blocks of a group.
 const RADIX: u32 = 64;
@@ -37,6 +37,19 @@ pub const PASSES: &[Pass] = &[
     Pass::new("sum groups", PassKind::Frame, Barrier::Frame),
     Pass::store(Barrier::Frame),
 ];
+
+/// What methods that count first, and then store into ranges, have in common.
+#[must_use]
+pub const fn counted(name: &'static str, keeps: Keeps) -> Contract {
+    Contract {
+        program: Program::of(PASSES),
+        frame_words: "2S + G + H",
+        needs: "32-bit atomic add, relaxed; two geometry passes that generate the same fragments",
+        wgsl: Some("storage buffers; atomicAdd"),
+        demand: Demand::Bounded,
+        ..Contract::new(name, keeps)
+    }
+}
 
 /// The words of the sums.
 #[derive(Clone, Copy, Debug)]

@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, depth_of, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Form, Keeps, Pass, Program};
+use crate::scheme::contract::{Form, Keeps, Overflow};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// No layer: the key of no fragment. Where peeling goes on from here, it has ended.
@@ -70,18 +70,14 @@ pub struct DepthPeel<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "depth-peel",
     title: "Depth peeling, one layer a round",
     paper: "Everitt 2001",
-    section: "k+-buffer paper, 2",
-    program: Program::repeated(&[Pass::store(Barrier::Pixel)]),
     words: "6",
-    judged: true,
-    overflow: "what lies behind the k nearest is not peeled",
+    overflow: Overflow::Never("what lies behind the k nearest is not peeled"),
     needs: "64-bit atomic min, 32-bit atomic add, relaxed; a query whether any pixel goes on",
     wgsl: Some("64-bit atomicMin where there is one; atomicAdd"),
     source: include_str!("depth_peel.rs"),
-    ..Contract::BASE
+    ..super::peeled("depth-peel", Keeps::Nearest)
 };
 
 impl Variant for Correct {

@@ -10,7 +10,7 @@
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
+use crate::scheme::contract::{Barrier, Keeps, Pass, PassKind, Program};
 use crate::scheme::parts::ends::Ends;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -33,22 +33,19 @@ pub struct BucketPeel {
 
 impl Scheme for BucketPeel {
     const CONTRACT: Contract = Contract {
-        name: "depth-peel-bucket",
         title: "Depth peeling by bucket sort, two layers of each of 4 buckets a round (reconstructed)",
         paper: "Liu, Huang, Liu, Wu 2009b",
-        section: "k+-buffer paper, 2",
         program: Program::repeated(&[
             Pass::new("depth range", PassKind::Prepare, Barrier::Pixel),
             Pass::store(Barrier::Pixel),
         ]),
         words: "42",
-        judged: true,
         needs: "64-bit atomic min and max, 32-bit atomic add, min and max, relaxed; a query whether any pixel goes on",
         wgsl: Some(
             "64-bit atomicMin and atomicMax where there are; atomicAdd, atomicMin, atomicMax",
         ),
         source: include_str!("depth_peel_bucket.rs"),
-        ..Contract::BASE_ALL
+        ..super::peeled("depth-peel-bucket", Keeps::All)
     };
 
     type Holds = Keys;

@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Layout, Memory};
-use crate::scheme::contract::{Barrier, Pass, Program};
+use crate::scheme::contract::Keeps;
 use crate::scheme::parts::ends::Ends;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -36,18 +36,14 @@ pub struct DualPeel<V = Correct> {
 }
 
 const CONTRACT: Contract = Contract {
-    name: "depth-peel-dual",
     title: "Dual depth peeling, two layers a round",
     paper: "Bavoil, Myers 2008",
-    section: "k+-buffer paper, 2",
-    program: Program::repeated(&[Pass::store(Barrier::Pixel)]),
     words: "10",
-    judged: true,
     needs: "64-bit atomic min and max, 32-bit atomic add, relaxed; a query whether any pixel goes on",
     wgsl: Some("64-bit atomicMin and atomicMax where there are; atomicAdd"),
     // All operations are there.
     source: include_str!("../parts/ends.rs"),
-    ..Contract::BASE_ALL
+    ..super::peeled("depth-peel-dual", Keeps::All)
 };
 
 impl Variant for Correct {

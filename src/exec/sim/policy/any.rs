@@ -1,4 +1,4 @@
-//! Any of the policies, as one type: the device's loop then holds their code, and there is one loop for all of them.
+//! Any of the policies, as one type: the device's loop then contains their code, and one loop serves all of them.
 
 use super::order::{InOrder, Reverse};
 use super::pct::Pct;
@@ -25,7 +25,7 @@ enum Inner {
     Recorded(Recorded),
 }
 
-/// The same call on whichever it is.
+/// The same call on each of them.
 macro_rules! each {
     ($any:expr, $policy:ident => $call:expr) => {
         match $any {
@@ -90,7 +90,7 @@ impl Scheduler for Any {
         each!(&mut self.0, policy => policy.waits(slot));
     }
 
-    /// Whole scenes run under `random`: only that one stands in the loop itself.
+    /// Whole scenes run under `random`: only that policy is inlined in the loop itself.
     #[inline(always)]
     fn next(&mut self) -> Result<u32> {
         if let Inner::Random(policy) = &mut self.0 { policy.next() } else { self.next_of_others() }

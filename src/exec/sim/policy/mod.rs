@@ -1,4 +1,4 @@
-//! Policies: who performs the next operation. One file each.
+//! Policies: which invocation performs the next operation. One file each.
 
 mod any;
 mod named;
@@ -14,7 +14,7 @@ use crate::error::Result;
 pub(super) use any::Any;
 pub use named::Policy;
 
-/// Decides the schedule. Slots are told as they fill and empty; `next` is asked only while one is filled.
+/// Decides the schedule. It is notified as slots fill and empty; `next` is called only while one is filled.
 pub trait Scheduler {
     /// The slot took a new invocation, younger than all before.
     fn admit(&mut self, slot: u32);
@@ -33,7 +33,7 @@ pub trait Scheduler {
     /// Only a recorded schedule can fail: at its end.
     fn next(&mut self) -> Result<u32>;
 
-    /// The slot that will probably follow: by this hint, the device has its invocation in the cache.
+    /// The slot that will probably follow: with this hint, the device brings its invocation into the cache.
     fn hint(&self) -> Option<u32> {
         None
     }
@@ -43,7 +43,7 @@ pub trait Scheduler {
         1
     }
 
-    /// How many slots there are, given how many were asked for.
+    /// How many slots there are, given how many were requested.
     fn resident(&self, asked: usize) -> usize {
         asked.next_multiple_of(self.group())
     }
@@ -51,7 +51,7 @@ pub trait Scheduler {
     /// The run is over.
     ///
     /// # Errors
-    /// A recorded schedule that goes on.
+    /// A recorded schedule that is not at its end.
     fn finish(&mut self) -> Result<()> {
         Ok(())
     }
@@ -60,19 +60,19 @@ pub trait Scheduler {
 /// How the simulated device is set up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scheduling {
-    /// Who goes next.
+    /// Which invocation goes next.
     pub policy: Policy,
     /// Seed of `Policy::Random` and `Policy::Pct`.
     pub seed: u64,
-    /// Invocations in flight, at least 1; a recorded schedule brings its own.
+    /// Invocations in flight, at least 1; a recorded schedule has its own number.
     pub resident: usize,
     /// Record the schedule.
     pub record: bool,
     /// What a schedule belongs to (`schedule::fingerprint`).
     pub fingerprint: u64,
-    /// A storage pixel whose fragments and steps are to be told.
+    /// A storage pixel whose fragments and steps are to be reported.
     pub watch: Option<u32>,
-    /// Look at memory after every step of the store pass.
+    /// Check memory after every step of the store pass.
     pub check: bool,
 }
 

@@ -17,7 +17,7 @@ pub enum Policy {
     Random,
     /// Warps of N consecutive invocations in lockstep, in turn.
     Warp(u32),
-    /// Priorities, and D - 1 random moments at which the highest one falls: D at least 1.
+    /// Priorities, and D - 1 random moments at which the highest one falls; D is at least 1.
     Pct(u32),
     /// A schedule recorded before.
     Recorded(Vec<u8>),

@@ -1,5 +1,5 @@
-//! `order` and `reverse`: one invocation runs to its end, then the next. They differ in who is next: the oldest, as a
-//! device that draws strictly in submission order, or the youngest that is resident.
+//! `order` and `reverse`: one invocation runs to its end, then the next. They differ in which one is next: the oldest,
+//! as on a device that draws strictly in submission order, or the youngest resident.
 
 use std::collections::VecDeque;
 

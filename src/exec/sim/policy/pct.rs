@@ -5,10 +5,10 @@
 //!
 //! The paper knows the number of invocations and steps beforehand. Here invocations come as a stream: each draws its
 //! priority when it is admitted, and moments are drawn so that D - 1 of them fall, on average, into a *generation*, the
-//! time in which all residents are replaced ([`STEPS`] operations each). So the paper's bound holds for a litmus pixel
-//! about as it stands, and for a scene per generation.
+//! time in which all residents are replaced ([`STEPS`] operations each). So the paper's bound holds approximately for a
+//! litmus pixel, and per generation for a scene.
 //!
-//! A waiting invocation falls below all others, too: else it would wait for ever for one that never runs.
+//! A waiting invocation also falls below all others; otherwise it would wait forever for one that never runs.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ const STEPS: u64 = 16;
 /// The stream of this policy's random numbers.
 const STREAM: u64 = 0x9C7_9C7;
 
-/// Priorities of those that have not fallen begin here.
+/// Priorities that have not fallen begin here.
 const HIGH: u64 = 1 << 63;
 
 /// The filled slots by priority.
@@ -34,7 +34,7 @@ pub(super) struct Pct {
     generation: u64,
     queue: BTreeSet<(u64, u32)>,
     priorities: Vec<u64>,
-    /// The priority of who falls next: below all before.
+    /// The priority of the next invocation to fall: below all earlier ones.
     bottom: u64,
 }
 

@@ -7,11 +7,11 @@ use crate::num::random::{Random, below};
 /// The stream of this policy's random numbers.
 const STREAM: u64 = 0x5C4E_D01E;
 
-/// The filled slots, and where each stands.
+/// The filled slots, and the position of each.
 #[derive(Debug)]
 pub(super) struct RandomSlot {
     random: Random,
-    /// The bits of the next pick, drawn a step ahead: a step that was mispredicted does not wait for them.
+    /// The bits of the next pick, drawn a step ahead: a mispredicted step does not wait for them.
     bits: u64,
     live: Vec<u32>,
     places: Vec<usize>,
@@ -24,7 +24,7 @@ impl RandomSlot {
         Self { random, bits, live: Vec::new(), places: Vec::new() }
     }
 
-    /// Whom the drawn bits name, as things stand.
+    /// The slot that the drawn bits select among those filled now.
     #[inline]
     fn pick(&self) -> Option<u32> {
         self.live.get(below(self.bits, self.live.len() as u64) as usize).copied()

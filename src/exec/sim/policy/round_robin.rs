@@ -17,7 +17,11 @@ impl Scheduler for RoundRobin {
     }
 
     fn retire(&mut self, slot: u32) {
-        debug_assert_eq!(self.ring.back(), Some(&slot), "only who has just moved can end");
+        debug_assert_eq!(
+            self.ring.back(),
+            Some(&slot),
+            "only the slot that has just moved can end"
+        );
         self.ring.pop_back();
     }
 

@@ -1,7 +1,7 @@
 //! `warp:N`: N consecutive invocations form a warp. Each turn, every unfinished lane of one warp performs one operation,
 //! in lane order; then the next warp has its turn. A warp is replaced when all its lanes have ended.
 //!
-//! This is lockstep of memory operations. It knows nothing of reconvergence after branches.
+//! This is lockstep of memory operations. It does not model reconvergence after branches.
 
 use std::collections::VecDeque;
 

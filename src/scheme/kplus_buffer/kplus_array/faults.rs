@@ -1,9 +1,231 @@
 //! Faults that can be built into the max-array. Each is one change of the correct form; the numbers are those of
-//! [`crate::catalogue::faults`].
+//! [`crate::catalogue::faults`]. They have a body of their own, [`Faulty`], with a constant for every place where a fault
+//! can be; the correct form stays as it is read in the paper.
 
-use super::{CONTRACT, Contract, Patience, Unlock, Variant};
-use crate::memory::{Access, Order};
-use crate::scheme::contract::{Barrier, Pass, Program};
+use std::marker::PhantomData;
+
+use super::KPlusArray;
+use crate::fragment::{Fragment, depth_of, key, pair_key};
+use crate::memory::{Access, Layout, Memory, Order, Snapshot};
+use crate::num::depth::EMPTY;
+use crate::scheme::contract::{Barrier, Contract, Dependence, Pass, Program};
+use crate::scheme::parts::lock::FREE;
+use crate::scheme::{Config, Keys, Moment, Outcome, Scheme};
+
+/// A fault: each constant is as it must be unless the fault says otherwise.
+pub trait Variant: Send + Sync + 'static {
+    /// This form's contract.
+    const CONTRACT: Contract;
+    /// How the lock is taken.
+    const LOCK: Order = Order::Acquire;
+    /// How the lock is released.
+    const UNLOCK: Unlock = Unlock::Write(Access::Atomic(Order::Release));
+    /// How the counter is read before the lock.
+    const COUNTER_READ: Order = Order::Acquire;
+    /// How the counter is raised.
+    const COUNTER_RAISE: Order = Order::Release;
+    /// Whether an element is in place before the counter is raised.
+    const ELEMENT_FIRST: bool = true;
+    /// Whether the new farthest is found before anything is written.
+    const FARTHEST_FIRST: bool = true;
+    /// Whether the cull test is repeated inside the lock.
+    const SECOND_TEST: bool = true;
+    /// Whether that test compares whole keys, and not depths alone.
+    const WHOLE_KEYS: bool = true;
+    /// Whether a fragment that finds its pixel empty leaves the clearing to the clear pass.
+    const CLEARED_BEFORE: bool = true;
+    /// Whether the critical section is inside the loop, so that a lane that wins the lock leaves the loop at once.
+    const SECTION_IN_LOOP: bool = true;
+    /// How long an attempt at the lock is repeated.
+    const PATIENCE: Patience = Patience::Endless;
+
+    /// The test inside the lock.
+    #[inline(always)]
+    #[must_use]
+    fn is_nearer(fragment: Fragment, farthest: u64) -> bool {
+        if Self::WHOLE_KEYS {
+            fragment.key() < farthest
+        } else {
+            fragment.depth < depth_of(farthest)
+        }
+    }
+}
+
+/// How a lock is released.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlock {
+    /// By a write.
+    Write(Access),
+    /// By an exchange.
+    Exchange(Order),
+}
+
+/// What an invocation does that does not get the lock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// It tries until it does.
+    Endless,
+    /// After so many attempts it goes away, and says nothing.
+    Drops(u32),
+    /// After every so many attempts it frees the lock, no matter which invocation holds it. It ends all the same: another must have taken
+    /// the lock since for its next attempt to fail, and each of the others takes it once.
+    Frees(u32),
+}
+
+/// The max-array with a fault.
+#[derive(Debug)]
+pub struct Faulty<V> {
+    array: KPlusArray,
+    variant: PhantomData<V>,
+}
+
+/// No fault: the same operations as the correct form's, which a test of the explorer compares.
+#[derive(Debug)]
+pub enum NoFault {}
+
+/// The correct form's contract, with the operations of this file.
+const CONTRACT: Contract = Contract { source: include_str!("faults.rs"), ..super::CONTRACT };
+
+impl Variant for NoFault {
+    const CONTRACT: Contract = CONTRACT;
+}
+
+impl<V: Variant> Scheme for Faulty<V> {
+    const CONTRACT: Contract = V::CONTRACT;
+
+    type Holds = Keys;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        Self { array: KPlusArray::new(config, layout), variant: PhantomData }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        self.array.clear(mem, pixel).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let (array, pixel) = (&self.array, fragment.pixel);
+        let counter = array.counter.at(pixel, 0);
+        let test = mem.block();
+        let seen = mem.load(counter, V::COUNTER_READ).await;
+        if seen == array.k
+            && fragment.depth > mem.load(array.depth.at(pixel, 0), Order::Relaxed).await
+        {
+            return Outcome::Culled;
+        }
+        mem.merge(test).await;
+        if !V::CLEARED_BEFORE {
+            let empty = mem.block();
+            if seen == 0 {
+                mem.store(counter, 0, Order::Relaxed).await;
+                mem.store(array.depth.at(pixel, 0), EMPTY, Order::Relaxed).await;
+            }
+            mem.merge(empty).await;
+        }
+        if !V::SECTION_IN_LOOP {
+            let wait = mem.block();
+            let mark = mem.mark();
+            while array.lock.try_acquire(mem, pixel, V::LOCK).await != FREE {
+                mem.spin(mark).await;
+            }
+            mem.merge(wait).await;
+        }
+        let _attempts = mem.block();
+        let mark = mem.mark();
+        let mut failures = 0;
+        loop {
+            let attempt = mem.block();
+            let found = if V::SECTION_IN_LOOP {
+                array.lock.try_acquire(mem, pixel, V::LOCK).await
+            } else {
+                FREE
+            };
+            if found == FREE {
+                let count = mem.load(counter, Order::Relaxed).await;
+                let mut outcome = Outcome::Culled;
+                if count < array.k {
+                    // Append, into entry 0 if it is the farthest; only then raise the counter.
+                    if !V::ELEMENT_FIRST {
+                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+                    }
+                    let mut last = fragment.key();
+                    if count > 0 {
+                        let farthest = pair_key(array.entry(mem, pixel, 0).await);
+                        if last > farthest {
+                            array.put(mem, pixel, 0, last).await;
+                            last = farthest;
+                        }
+                    }
+                    array.put(mem, pixel, count, last).await;
+                    if V::ELEMENT_FIRST {
+                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+                    }
+                    outcome = Outcome::Kept;
+                } else {
+                    let mut farthest = u64::MAX;
+                    if V::SECOND_TEST {
+                        farthest = pair_key(array.entry(mem, pixel, 0).await);
+                    }
+                    if V::is_nearer(fragment, farthest) {
+                        // Find the new farthest before anything is written.
+                        if !V::FARTHEST_FIRST {
+                            array.put(mem, pixel, 0, fragment.key()).await;
+                        }
+                        let (mut place, mut farthest) = (0, fragment.key());
+                        for i in 1..array.k {
+                            // The data word decides only among equal depths, and is read only then.
+                            let depth = mem.load(array.depth.at(pixel, i), Order::Relaxed).await;
+                            if depth >= depth_of(farthest) {
+                                let data = mem.plain_load(array.data.at(pixel, i)).await;
+                                if key(depth, data) > farthest {
+                                    (place, farthest) = (i, key(depth, data));
+                                }
+                            }
+                        }
+                        if place != 0 {
+                            array.put(mem, pixel, place, fragment.key()).await;
+                        }
+                        array.put(mem, pixel, 0, farthest).await;
+                        outcome = Outcome::Evicted;
+                    }
+                }
+                match V::UNLOCK {
+                    Unlock::Write(access) => array.lock.release(mem, pixel, access).await,
+                    Unlock::Exchange(order) => {
+                        array.lock.exchange_free(mem, pixel, order).await;
+                    }
+                }
+                return outcome;
+            }
+            mem.merge(attempt).await;
+            match V::PATIENCE {
+                Patience::Endless => mem.spin(mark).await,
+                Patience::Drops(attempts) => {
+                    failures += 1;
+                    if failures == attempts {
+                        return Outcome::Kept;
+                    }
+                }
+                Patience::Frees(attempts) => {
+                    failures += 1;
+                    let time_out = mem.block();
+                    if failures % attempts == 0 {
+                        array.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
+                    }
+                    mem.merge(time_out).await;
+                }
+            }
+        }
+    }
+
+    fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
+        self.array.check(words, pixel, moment)
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        self.array.resolve(mem, pixel, keys).await;
+    }
+}
 
 /// Where only memory orders differ.
 const SEQUENTIAL: &str = "under sequential consistency only";
@@ -128,8 +350,8 @@ pub enum EqualDepthStops {}
 
 impl Variant for EqualDepthStops {
     const CONTRACT: Contract = Contract {
-        arrival_dependent: true,
         ties: "the first to arrive stays",
+        dependence: Dependence::ArrivalAndInterleaving,
         ..CONTRACT.fault("kplus-array@M9", "Fault M9: equal depth is culled", "depths differ")
     };
     const WHOLE_KEYS: bool = false;
@@ -172,8 +394,8 @@ pub enum SpinsFirst {}
 
 impl Variant for SpinsFirst {
     const CONTRACT: Contract = Contract {
-        racy: false,
         needs: "acquire and release on a 32-bit word; independent progress of the lanes of a warp",
+        dependence: CONTRACT.dependence,
         ..CONTRACT.fault(
             "kplus-array@M19",
             "Fault M19: spins first, with the critical section after the loop",

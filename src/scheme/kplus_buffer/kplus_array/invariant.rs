@@ -1,10 +1,10 @@
 //! What holds of a max-array's words at every moment, and what more when the lock is free.
 
-use super::{KPlusArray, Variant, pair_key};
+use super::{KPlusArray, pair_key};
 use crate::memory::Snapshot;
 use crate::scheme::Moment;
 
-impl<V: Variant> KPlusArray<V> {
+impl KPlusArray {
     /// The lock is free or taken, and free in the end; the counter does not exceed k; while the lock is free, entry 0
     /// is the farthest of those counted.
     pub(super) fn check(
@@ -42,16 +42,14 @@ impl<V: Variant> KPlusArray<V> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Correct, KPlusArray, data_of, depth_of, key};
+    use super::super::{KPlusArray, data_of, depth_of, key};
     use crate::scheme::Moment::{Always, Quiet};
     use crate::scheme::parts::hand_made::HandMade;
     use crate::scheme::parts::lock::FREE;
 
-    type Array = KPlusArray<Correct>;
-
     /// k = 3, with the lock's word, the counter and as many entries as are given.
-    fn pixel(lock: u32, count: u32, entries: &[u64]) -> HandMade<Array> {
-        let mut pixel = HandMade::<Array>::new(Some(3), 0);
+    fn pixel(lock: u32, count: u32, entries: &[u64]) -> HandMade<KPlusArray> {
+        let mut pixel = HandMade::<KPlusArray>::new(Some(3), 0);
         let (word, counter) = (pixel.scheme.lock.word(0), pixel.scheme.counter.at(0, 0));
         pixel.set(word, lock);
         pixel.set(counter, count);
@@ -65,7 +63,11 @@ mod tests {
 
     #[test]
     fn what_is_in_order_passes() {
-        assert_eq!(HandMade::<Array>::new(Some(3), 0).check(Always), Ok(()), "nothing written");
+        assert_eq!(
+            HandMade::<KPlusArray>::new(Some(3), 0).check(Always),
+            Ok(()),
+            "nothing written"
+        );
         for entries in [&[][..], &[7], &[key(9, 2), key(9, 1), 3]] {
             let pixel = pixel(FREE, entries.len() as u32, entries);
             assert_eq!(pixel.check(Always), Ok(()));
