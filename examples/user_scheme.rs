@@ -1,15 +1,23 @@
-//! A method of one's own, outside of the catalogue, and what fragloom's checks make of it: an A-buffer in per-pixel
-//! lists, pushed by compare-exchange (Treiber's stack).
+//! Your own method, and the whole tool with it in the catalogue: an A-buffer in per-pixel lists, pushed by
+//! compare-exchange (Treiber's stack).
 //!
-//! `cargo run --release --example user_scheme` verifies it. With `-- broken` the head is replaced whatever it is
-//! by then: that loses fragments, is refuted with a schedule that shows it, and gives exit code 1.
+//! ```text
+//! cargo run --release --example user_scheme -- render cubes -m cas-list -o a.png
+//! cargo run --release --example user_scheme -- check cas-list
+//! cargo run --release --example user_scheme -- check cas-list@broken
+//! cargo run --release --example user_scheme -- replay TOKEN
+//! ```
+//!
+//! The broken twin replaces the head whatever it is by then. That loses fragments: `check` refutes it with a schedule
+//! that shows the loss, as a token for `replay`, and exits with code 1.
 
 use std::process::ExitCode;
 
-use fragloom::explore::{Limits, Plan, Subject, Verdict, check};
+use fragloom::catalogue::Catalogue;
+use fragloom::exec::Method;
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Pool, Update, Words};
-use fragloom::scheme::contract::{Demand, Keeps, Overflow};
+use fragloom::scheme::contract::{Demand, Form, Keeps, Overflow};
 use fragloom::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The end of a list.
@@ -28,6 +36,7 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
     const CONTRACT: Contract = Contract {
         title: "A-buffer in per-pixel lists, pushed by compare-exchange",
         paper: "Treiber 1986",
+        form: if BROKEN { Form::Mutation } else { Form::Correct },
         words: "1",
         frame_words: "3F + 1",
         exact_when: "the pool holds F nodes",
@@ -93,19 +102,7 @@ impl<const BROKEN: bool> Scheme for CasList<BROKEN> {
 }
 
 fn main() -> ExitCode {
-    let broken = std::env::args().nth(1).is_some_and(|word| word == "broken");
-    let list = Subject::of::<CasList<false>>();
-    let subject = if broken { Subject::of::<CasList<true>>() } else { list };
-    let limits = Limits { states: 5_000_000, cancelled: &|| false };
-    let rows = check(&subject, &Plan::default(), &limits);
-    for row in &rows {
-        let property = row.property.as_deref().unwrap_or_default();
-        let under = row.progress.as_deref().or(row.profile.as_deref()).unwrap_or(&row.memory);
-        let note = if row.message.is_empty() { &row.bound } else { &row.message };
-        println!("{:8}  {property:12}  {under:8}  {note}", row.verdict.name());
-        if let Some(token) = &row.token {
-            println!("          shown by {token}");
-        }
-    }
-    ExitCode::from(u8::from(rows.iter().any(|row| row.verdict == Verdict::Violated)))
+    let both = [Method::of::<CasList<false>>(), Method::of::<CasList<true>>()];
+    let catalogue = both.into_iter().try_fold(Catalogue::built_in(), Catalogue::with);
+    fragloom::cli::main(&catalogue.expect("no built-in method has these names"))
 }

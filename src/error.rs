@@ -1,4 +1,4 @@
-//! The one error a user can meet: some input is wrong.
+//! The only error that a user can get: some input is wrong.
 
 /// What is wrong with the input: where (a file or an option), which field of it, and what would be right.
 ///
@@ -10,7 +10,7 @@ pub struct Error {
     problem: String,
 }
 
-/// A result whose error is the user's to mend.
+/// A result whose error the user can fix.
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {

@@ -11,8 +11,8 @@ pub struct Fragment {
     pub depth: u32,
     /// RGBA8 with R in the low byte, or the global triangle index, as the run says.
     pub data: u32,
-    /// How many fragments of its pixel come before it in API order: what the ordered interlock goes by. 0 where the
-    /// method needs no interlock.
+    /// How many fragments of its pixel come before it in API order: the order of the interlock. 0 if the method needs
+    /// no interlock.
     pub rank: u32,
 }
 

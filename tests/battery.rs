@@ -1,4 +1,5 @@
-//! One battery over the catalogue: every method runs through the same properties, as its contract says.
+//! One battery over the catalogue, and over the tests' own schemes of other kinds: every method runs through the same
+//! properties, as its contract says.
 //!
 //! * the accounting balances, on every executor
 //! * an order-independent method gives the exact lists (`exact -k`), on every executor and under every policy
@@ -10,6 +11,8 @@
 //! * nothing it keeps was invented, and overflow is counted
 
 mod support;
+#[path = "support/toys/mod.rs"]
+mod toys;
 
 use fragloom::catalogue::Catalogue;
 use fragloom::exec::Method;
@@ -17,14 +20,14 @@ use fragloom::fragment::depth_of;
 use fragloom::raster::Grid;
 use fragloom::render::{Data, Exec, Kept, Lists, Options, Policy, Report, reference};
 use fragloom::scene::Scene;
-use fragloom::scheme::Config;
 use fragloom::scheme::contract::{Contract, Demand, Dependence, Form, Keeps};
 use fragloom::scheme::hash_table::table::TableSettings;
+use fragloom::scheme::{Config, HeldKind};
 use support::{contract, draw, lists, method, options, policies, scene, sim, small_scenes};
 
 /// The methods that promise something, with a k that bites on the small scenes and one that does not.
 fn cases() -> Vec<(Method, Option<u32>)> {
-    let catalogue = Catalogue::built_in();
+    let catalogue = toys::catalogue();
     let with_k = |method: Method| {
         let contract = method.contract();
         let takes_k = contract.keeps == Keeps::Nearest || contract.default_k.is_some();
@@ -32,6 +35,22 @@ fn cases() -> Vec<(Method, Option<u32>)> {
         ks.into_iter().map(move |k| (method, k))
     };
     catalogue.promised().flat_map(with_k).collect()
+}
+
+/// Those that keep fragments one by one.
+fn cases_with_lists() -> Vec<(Method, Option<u32>)> {
+    let mut cases = cases();
+    cases.retain(|(method, _)| method.holds() == HeldKind::Fragments);
+    cases
+}
+
+/// What is there one by one after a draw.
+fn entries(kept: &Kept) -> u64 {
+    match kept {
+        Kept::Fragments(lists) => lists.entries.len() as u64,
+        Kept::Records(lists) => lists.entries.len() as u64,
+        Kept::Color(pixels) => pixels.iter().map(|light| u64::from(light.kept)).sum(),
+    }
 }
 
 fn executors() -> Vec<Exec> {
@@ -71,7 +90,7 @@ fn accounts_balance_everywhere() {
                 let report = &drawn.report;
                 assert!(balances(report), "{method} {exec:?}: {report:?}");
                 assert_eq!(report.generated, generated, "{method} {exec:?}");
-                assert_eq!(report.kept, drawn.lists().expect("lists").entries.len() as u64);
+                assert_eq!(report.kept, entries(&drawn.kept), "{method} {exec:?}");
                 assert_eq!(report.violations, Vec::<String>::new());
             }
         }
@@ -196,7 +215,8 @@ fn a_memory_budget_is_never_exceeded() {
                 assert_eq!(budget.histogram.iter().sum::<u64>(), 64 * 64);
                 let pooled = contract.demand == Demand::Generated && !contract.crosses();
                 if let Some(room) = budget.room.filter(|_| pooled) {
-                    assert_eq!(report.kept, room.min(report.generated), "complete where is room");
+                    let found = report.kept + report.merged;
+                    assert_eq!(found, room.min(report.generated), "{method}: all it has room for");
                 }
             }
         }
@@ -319,7 +339,7 @@ fn formula(text: &str, contract: &Contract, k: u32) -> u64 {
 
 #[test]
 fn storage_is_what_the_formulas_say() {
-    for &method in Catalogue::built_in().methods() {
+    for &method in toys::catalogue().methods() {
         let contract = method.contract();
         for k in [1, 2, 8, 32].into_iter().filter(|&k| k <= contract.max_k) {
             if let Some(words) = storage(method, k) {
@@ -385,7 +405,7 @@ fn overflow_drops_by_arrival_and_is_counted() {
 #[test]
 fn nothing_is_invented() {
     let scene = scene("cubes", [48, 40]);
-    for (method, k) in cases().into_iter().filter(|(m, _)| !m.contract().is_racy()) {
+    for (method, k) in cases_with_lists().into_iter().filter(|(m, _)| !m.contract().is_racy()) {
         let all = held_to(&scene, method, k).0;
         let lists = lists(&scene, &with(method, k, Exec::Threads));
         for y in 0..40 {

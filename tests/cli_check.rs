@@ -53,7 +53,7 @@ fn a_violation_comes_with_a_token_that_shows_it_again() {
 
     let trace = dir.run(&format!("replay {token} --trace"));
     assert_eq!(trace.code, 1, "{trace:?}");
-    for told in ["step", "A 0/20", "B fffffffe/10", "no way is right", "instead of"] {
+    for told in ["step", "A 0/20", "B fffffffe/10", "every continuation is wrong", "instead of"] {
         assert!(trace.stdout.contains(told), "{told}: {}", trace.stdout);
     }
     let replayed = dir.run(&format!("replay {token} --json")).json();
@@ -206,7 +206,7 @@ fn bad_input_is_one_line() {
         ("check kb --scene cubes --schedule pct:0", &["--schedule"]),
         ("replay", &["TOKEN"]),
         ("replay nonsense", &["TOKEN", "fl2-"]),
-        ("replay fl1-AAAA", &["TOKEN", "version 1"]),
+        ("replay fl1-AAAA", &["TOKEN", "version 1 ", "version 2"]),
         ("replay fl2-AAAA", &["TOKEN", "damaged"]),
         ("replay fl2-", &["TOKEN", "damaged"]),
     ] {

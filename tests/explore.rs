@@ -8,6 +8,9 @@ mod unreached;
 #[allow(dead_code, reason = "its main function")]
 mod user_scheme;
 
+#[path = "support/toys/mod.rs"]
+mod toys;
+
 use std::collections::BTreeSet;
 
 use fragloom::catalogue::faults::MUTATIONS;
@@ -16,10 +19,14 @@ use fragloom::explore::verdict::claims::claim_by_id;
 use fragloom::explore::verdict::matrix::{Fate, Line, matrix};
 use fragloom::explore::{
     Conditions, Family, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property,
-    Subject, Survey, Token, Verdict, check, explore, properties, replay,
+    Subject, Survey, Token, Verdict, check, cut, explore, properties, replay,
 };
 use fragloom::fragment::{data_of, depth_of, key, pair_key};
+use fragloom::num::depth::Format;
 use fragloom::num::depth::{EMPTY, FARTHEST};
+use fragloom::render::{Data, Options, reference};
+use fragloom::scene::{self, Overrides};
+use fragloom::scheme::kplus_buffer::kplus_array::faults::{Faulty, NoFault};
 use fragloom::scheme::{Held, Keys};
 use unreached::Unreached;
 use user_scheme::CasList;
@@ -79,6 +86,87 @@ fn the_max_array_keeps_the_nearest_under_every_interleaving() {
     let relaxed = fragments("FRAGLOOM_FRAGMENTS_RELAXED", 3);
     keeps_its_promise("kplus-array", VULKAN, relaxed);
     keeps_its_promise("kplus-array", MemoryModel::Relaxed(Profile::Glsl), relaxed);
+}
+
+/// The faults' body without a fault is the correct form: the same states and results on every instance.
+#[test]
+fn the_body_with_faults_is_the_correct_form_but_for_them() {
+    let (correct, none) = (subject("kplus-array"), Subject::of::<Faulty<NoFault>>());
+    let family = Family { fragments: 3, ks: vec![1, 2, 3], helpers: 1 };
+    let (mut states, mut compared) = (0, 0);
+    for (memory, warp) in
+        [(MemoryModel::Sequential, None), (VULKAN, None), (MemoryModel::Sequential, Some(2))]
+    {
+        let conditions = Conditions { memory, warp };
+        for n in 1..=if memory == VULKAN { 2 } else { 3 } {
+            for litmus in fragloom::explore::program::litmus::of_size(&correct, &family, n) {
+                let both = [&correct, &none].map(|s| explore(s, &litmus, conditions, &LIMITS));
+                let [a, b] = both
+                    .each_ref()
+                    .map(|e| (e.states, e.complete, e.outcomes.keys().collect::<Vec<_>>()));
+                assert_eq!(a, b, "{}", litmus.describe());
+                states += both[0].states;
+                compared += 1;
+            }
+        }
+    }
+    println!("{compared} instances, {states} states");
+    assert!(compared > 60 && states > 10_000, "{compared} instances, {states} states");
+}
+
+/// A scene's pixel has the words that drawings of the method store: its contract's, whatever the options say.
+#[test]
+fn a_pixel_of_a_scene_has_the_words_of_its_method() {
+    let sources = ["layers:count=3", "cubes", "synthetic:n=9"];
+    let overrides = Overrides { size: Some([16, 16]), ..Overrides::default() };
+    let catalogue = toys::catalogue();
+    let (mut compared, mut cut_words) = (0, 0);
+    for source in sources {
+        let scene = scene::load(source, &overrides).expect("a scene");
+        for &method in catalogue.methods().iter().filter(|m| !m.is_exact()) {
+            let subject = Subject::new(method).expect("it has invocations");
+            for data in [Data::Color, Data::Primitive, Data::Nothing] {
+                for depth_format in [None, Some(Format::D24), Some(Format::F32)] {
+                    let contract = method.contract();
+                    if depth_format
+                        .is_some_and(|f| contract.depth_format.is_some_and(|own| own != f))
+                    {
+                        continue;
+                    }
+                    let options = Options { method, data, depth_format, ..Options::default() };
+                    // What drawings are held to.
+                    let Ok(right) = reference(&scene, &options) else { continue };
+                    let Ok(litmus) = cut(&subject, &scene, &options, [9, 8]) else { continue };
+                    assert_eq!(
+                        litmus.generated(0),
+                        right.all.pixel(9, 8),
+                        "{method} {data:?} {source}"
+                    );
+                    compared += 1;
+                    cut_words += u32::from(contract.data.is_some_and(|own| own != data));
+                }
+            }
+        }
+    }
+    println!("{compared} pixels, {cut_words} with other words than were asked for");
+    assert!(compared > 900 && cut_words > 50, "{compared} pixels, {cut_words} cut");
+}
+
+/// As it was found: two fragments of ha32, which has no room for data.
+#[test]
+fn ha32_keeps_two_layers() {
+    let overrides = Overrides { size: Some([16, 16]), ..Overrides::default() };
+    let scene = scene::load("layers:count=2", &overrides).expect("a scene");
+    let subject = subject("ha32");
+    let options = Options { method: subject.method, ..Options::default() };
+    let litmus = cut(&subject, &scene, &options, [4, 4]).expect("two fragments");
+    assert!(litmus.fragments.iter().all(|fragment| fragment.2 == 0), "{litmus:?}");
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    let survey = Survey::given(&subject, &litmus, conditions, &LIMITS);
+    for property in properties(&subject, MemoryModel::Sequential) {
+        let row = survey.row(property);
+        assert_ne!(row.verdict, Verdict::Violated, "{row:?}");
+    }
 }
 
 /// Three fragments of distinct depths.

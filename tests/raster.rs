@@ -13,7 +13,7 @@ const HEIGHT: u32 = 27;
 const IMAGE: Rect = Rect { x0: 0, y0: 0, x1: WIDTH, y1: HEIGHT };
 const LIMIT: i32 = GUARD_BAND * UNITS;
 
-/// Fragments compared by the random test; set `FRAGLOOM_FRAGMENTS` for more (see README).
+/// Fragments compared by the random test; set `FRAGLOOM_FRAGMENTS` for more (see docs/checking.md).
 fn fragment_goal() -> u64 {
     std::env::var("FRAGLOOM_FRAGMENTS").map_or(3_000_000, |v| v.parse().expect("a number"))
 }

@@ -1,7 +1,7 @@
 //! The command line: one file per command. A command takes what was typed (`options::flags`), checks and completes it
-//! (`options::settings`), runs, and says what it found.
+//! (`options::settings`), runs, and reports what it found.
 //!
-//! A room uses only rooms that stand before it in this order:
+//! A module uses only modules that come before it in this order:
 //!
 //! `options` → `terminal` → `list` → `verify` → `draw`
 //!
@@ -52,17 +52,17 @@ enum Command {
     Compare(Box<compare::Args>),
     /// Explore interleavings; say what is verified, violated or unknown.
     Check(Box<check::Args>),
-    /// Run a failing schedule again.
+    /// Replay a failing schedule.
     Replay(replay::Args),
-    /// Time methods, by phase, and beside the same schemes on GPUs and Vulkan drivers.
+    /// Time methods by phase, next to the same schemes on GPUs and Vulkan drivers.
     Bench(Box<bench::Args>),
     /// Run the same schemes on GPUs and Vulkan drivers, and compare bit for bit.
     #[cfg(feature = "gpu")]
     Crosscheck(Box<crosscheck::Args>),
-    /// List the GPUs and Vulkan drivers that there are.
+    /// List the available GPUs and Vulkan drivers.
     #[cfg(feature = "gpu")]
     Adapters(adapters::Args),
-    /// Compute the papers' tables and figures, ours beside theirs.
+    /// Compute the papers' tables and figures, ours next to theirs.
     Reproduce(reproduce::Args),
     /// List the papers' claims, as they are checked.
     Claims(claims::Args),
@@ -74,7 +74,7 @@ enum Command {
     Scenes(scenes::Args),
 }
 
-/// What a command found; errors are the other way out.
+/// What a command found; errors are returned separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     /// Nothing wrong.

@@ -82,7 +82,7 @@ impl Voxels {
     }
 }
 
-/// The picture of what is solid, and its voxels if they are asked for.
+/// The picture of what is solid, and its voxels if requested.
 pub(super) fn draw(stage: &Stage<'_>, slices: Option<u32>) -> Made {
     let lists = stage.lists;
     let pixels = || {

@@ -1,9 +1,9 @@
 //! From a pixel and a stored depth back to the world.
 //!
-//! All of it is f64 in the order written here. With u = 2 (x + 1/2) / width - 1, v = 1 - 2 (y + 1/2) / height and a depth
-//! z of 0..1, the distance along the line of sight is near + z (far - near) for parallel rays, and near far / (far - z
-//! (far - near)) for a perspective, whose rays are longer than that by sqrt((1 + h²) + w²), where w and h are u and v
-//! times half the image's extent at distance 1.
+//! All of it is f64 in the order written here. With u = 2 (x + 1/2) / width - 1, v = 1 - 2 (y + 1/2) / height and a
+//! depth z of 0..1, the distance along the line of sight is near + z (far - near) for parallel rays, and near far /
+//! (far - z (far - near)) for a perspective, whose rays are longer than that by sqrt((1 + h²) + w²), where w and h are
+//! u and v times half the image's extent at distance 1.
 
 use glam::DVec3;
 

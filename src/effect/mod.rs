@@ -35,8 +35,8 @@ pub enum Effect {
     Transparency,
     /// Media that fill objects.
     Media {
-        /// Multiplies all absorption: what a material's colour and opacity do to light over one world unit, they do over
-        /// 1 / density. 0 or more.
+        /// Multiplies all absorption: what a material's colour and opacity do to light over one world unit, they do
+        /// over 1 / density. 0 or more.
         density: f64,
     },
     /// A Boolean expression over closed objects.

@@ -5,9 +5,9 @@
 //! coloured shadows and an opaque surface black ones. Transmittances multiply from the light on, each rounded to 16
 //! bits: T = (T (255 - a) (65,025 - a (255 - c)) + 8,290,687) / 16,581,375.
 //!
-//! A point of the view is in the shadow of what its pixel of the map holds at a distance from the light below the point's
-//! own minus a bias, in world units; the bias keeps a surface from shadowing itself, since the map knows it only at its
-//! pixels' centres. Points outside of the map are lit.
+//! A point of the view is in the shadow of what its pixel of the map holds at a distance from the light below the
+//! point's own minus a bias, in world units; the bias keeps a surface from shadowing itself, since the map knows it
+//! only at its pixels' centres. Points outside of the map are lit.
 //!
 //! The map of a Boolean combination (`csg`) holds only its surfaces, which are opaque. Other effects use the shadows of
 //! all surfaces; media cast those of their faces, whatever their thickness.

@@ -85,8 +85,8 @@ impl Tally {
         true
     }
 
-    /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept; resolve found `kept`,
-    /// and merged others into them.
+    /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept; resolve found
+    /// `kept`, and merged others into them.
     #[inline]
     pub fn pixel(&mut self, generated: u32, gone: u32, kept: usize, merged: u32) {
         let (made, accounted) =

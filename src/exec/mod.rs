@@ -60,7 +60,7 @@ pub struct Job<'a> {
     pub holds: HeldKind,
     /// The words of the method's inputs.
     pub inputs: Inputs,
-    /// Fragments in all tiles before each tile, and last in all tiles, if they were counted; else empty.
+    /// Fragments in all tiles before each tile, and at the end in all tiles, if they were counted; otherwise empty.
     pub before_tile: Vec<u64>,
     /// Whether pools have room for every fragment: nothing limits them.
     pub whole_pools: bool,

@@ -274,7 +274,8 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         sum
     }
 
-    /// Resolve one of several rounds; whether a pixel needs another one. A single round is resolved when it is finished.
+    /// Resolve one of several rounds; whether a pixel needs another one. A single round is resolved when it is
+    /// finished.
     fn collect(&self, tile: &mut Tile<O>) -> bool {
         let first = self.first(tile);
         let mut collected = std::mem::take(&mut tile.collected);

@@ -1,11 +1,11 @@
 //! Verify or refute: what a method does under every interleaving.
 //!
-//! A check asks whether a method keeps its contract, whatever its invocations' timing. It makes small programs from
-//! the contract ([`litmus`](program::litmus)), explores them under a memory model ([`explore`]), and answers *verified*
-//! with its bound, *violated* with a schedule that can be run again, or *unknown*.
+//! A check asks whether a method keeps its contract, whatever its invocations' timing. It makes small programs from the
+//! contract ([`litmus`](program::litmus)), explores them under a memory model ([`explore`]), and answers *verified*
+//! with its bound, *violated* with a schedule that can be replayed, or *unknown*.
 //!
-//! It flows through these rooms, in this order, and a room uses only what stands before it (`tests/layering.rs`
-//! checks that):
+//! It goes through these modules, in this order, and a module uses only those before it (`tests/layering.rs` checks
+//! that):
 //!
 //! `memory` → `program` → `search` → `replay` → `verdict` → `sample`
 

@@ -1,15 +1,16 @@
 //! The same schemes on devices, through wgpu: whether a GPU or a driver computes what the simulator computes.
 //!
-//! Every method that WGSL can express has a *twin*: one file of WGSL with the same words in the same places, and the same
-//! operations on them. [`twin`] makes modules of twins and runs their passes, on fragments that are given or that come
-//! from the device's own rasterizer. [`check`] looks at what came back and compares. [`driver`] is the only place that waits for a driver, and never does so without end.
+//! Every method that WGSL can express has a *twin*: one file of WGSL with the same words in the same places, and the
+//! same operations on them. [`twin`] makes modules of twins and runs their passes, on fragments that are given or that
+//! come from the device's own rasterizer. [`check`] compares the results. [`driver`] is the only place that waits for a
+//! driver, and it never waits without end.
 //!
-//! A room uses only rooms that stand before it in this order:
+//! A module uses only modules that come before it in this order:
 //!
 //! `driver` → `twin` → `check`
 //!
 //! What decides a compared bit is computed in integers on both sides. Floats carry vertices to the device's rasterizer,
-//! by a way that is exact.
+//! exactly.
 
 pub mod check;
 pub mod driver;

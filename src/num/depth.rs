@@ -53,8 +53,8 @@ impl Format {
         }
     }
 
-    /// The depth, 0..1, of a stored word: in the middle of the codes that have it, where there are several. It keeps the
-    /// order of words.
+    /// The depth, 0..1, of a stored word: in the middle of the codes that have it, where there are several. It keeps
+    /// the order of words.
     #[inline]
     #[must_use]
     pub fn decode(self, word: u32) -> f64 {

@@ -102,8 +102,8 @@ impl FrontEnd {
         }
     }
 
-    /// The RGBA8 word of a triangle at a pixel and a stored depth, for runs that store triangle indices; 0 (transparent)
-    /// if that triangle is not visible.
+    /// The RGBA8 word of a triangle at a pixel and a stored depth, for runs that store triangle indices; 0
+    /// (transparent) if that triangle is not visible.
     #[must_use]
     pub fn color_of(&self, triangle: u32, x: u32, y: u32, depth: u32) -> u32 {
         let Some(primitive) = self.primitive_of(triangle) else { return 0 };

@@ -52,7 +52,7 @@ pub struct FrontEnd {
     surfaces: Vec<Surface>,
     /// By primitive: whether its back is seen. Kept apart, since few runs need it.
     backs: Vec<bool>,
-    /// By primitive: its corners, where they were asked for.
+    /// By primitive: its corners, if requested.
     outlines: Vec<Polygon>,
     /// What attenuates the light on its way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
@@ -145,7 +145,7 @@ impl FrontEnd {
         &self.primitives
     }
 
-    /// The corners of every primitive, snapped, in their order; empty unless they were asked for.
+    /// The corners of every primitive, snapped, in their order; empty unless requested.
     #[must_use]
     pub fn outlines(&self) -> &[Polygon] {
         &self.outlines
@@ -284,7 +284,7 @@ impl Chunk {
         chunk
     }
 
-    /// Set up one triangle; `surface(back, bounds)` is asked for only if it is drawn.
+    /// Set up one triangle; `surface(back, bounds)` is called only if the triangle is drawn.
     fn add(
         &mut self,
         target: Target,

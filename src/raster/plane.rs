@@ -35,8 +35,8 @@ impl DepthPlane {
         Some(Self { a: a as i64, b: b as i64, c: c as i64, min, max })
     }
 
-    /// For a shader that evaluates the same plane: slope to the right, slope down, and the value at pixel (0, 0), modulo
-    /// 2^64, each as its lower and its upper half; then the smallest and the largest code.
+    /// For a shader that evaluates the same plane: slope to the right, slope down, and the value at pixel (0, 0),
+    /// modulo 2^64, each as its lower and its upper half; then the smallest and the largest code.
     #[must_use]
     pub fn words(&self) -> [u32; 8] {
         let [a, b, c] = [self.a, self.b, self.c].map(|v| [v as u32, (v >> 32) as u32]);

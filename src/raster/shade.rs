@@ -14,9 +14,9 @@
 //! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
 //! n.n are (x x' + y y') + z z'. A surface whose colour does not vary over it is shaded once, at set-up.
 //!
-//! Where light is attenuated on its way (`Attenuation`, T in 0..1 per channel), `lambert` multiplies the diffuse term by
-//! T and leaves the ambient one, c * (ambient + (1 - ambient) * (max(n.l, 0) * T)); `gooch` cools, by (t * T) in place
-//! of t; `flat` surfaces and screen triangles are not lit, and stay as they are. T = 1 gives the same bits as no
+//! Where light is attenuated on its way (`Attenuation`, T in 0..1 per channel), `lambert` multiplies the diffuse term
+//! by T and leaves the ambient one, c * (ambient + (1 - ambient) * (max(n.l, 0) * T)); `gooch` cools, by (t * T) in
+//! place of t; `flat` surfaces and screen triangles are not lit, and stay as they are. T = 1 gives the same bits as no
 //! attenuation at all.
 
 use glam::{DVec3, DVec4};

@@ -2,8 +2,8 @@
 //! (HA-buffer paper, section 4.1.3).
 //!
 //! A frame's fragments are counted when the table is cleared for the next one, so that its size follows with a delay of
-//! one frame, and the frame that overflows is lost: [`Resize::Latent`]. [`Resize::AtOnce`] draws such a frame again, with a
-//! larger table, until nothing is lost.
+//! one frame, and the frame that overflows is lost: [`Resize::Latent`]. [`Resize::AtOnce`] draws such a frame again,
+//! with a larger table, until nothing is lost.
 
 use glam::DVec3;
 
@@ -60,12 +60,14 @@ pub struct AnimatedFrame {
 
 /// Draw a sequence of frames, and hand each to `take` when it is done.
 ///
-/// A hash table starts with as many cells as there are pixels (`options.table.size`, if given), and then grows by a quarter
-/// at a load of 80 %, and shrinks by a quarter at 30 %, never below the image on either axis. With `options.table.load`, it
-/// is sized for that load in every frame instead. Random offsets are drawn anew for every frame.
+/// A hash table starts with as many cells as there are pixels (`options.table.size`, if given), and then grows by a
+/// quarter at a load of 80 %, and shrinks by a quarter at 30 %, never below the image on either axis. With
+/// `options.table.load`, it is sized for that load in every frame instead. Random offsets are drawn anew for every
+/// frame.
 ///
-/// # Errors As [`render()`]; a number of frames out of range; a frame that loses fragments whatever its table's size;
-/// an error from `take`.
+/// # Errors
+/// As [`render()`]; a number of frames out of range; a frame that loses fragments whatever its table's size; an error
+/// from `take`.
 pub fn animate(
     scene: &Scene,
     options: &Options,

@@ -86,8 +86,8 @@ const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 /// Draw `scene`.
 ///
 /// # Errors
-/// An option out of range, an input that does not fit, more memory than `options.max_memory`, a recorded schedule that does
-/// not fit, or an effect that does not fit the scene.
+/// An option out of range, an input that does not fit, more memory than `options.max_memory`, a recorded schedule that
+/// does not fit, or an effect that does not fit the scene.
 ///
 /// # Examples
 /// ```

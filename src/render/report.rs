@@ -75,8 +75,8 @@ pub struct Report {
     pub checked: Option<u64>,
     /// What was made from the lists: `oit`, `media`, `csg` or `ldi`.
     pub effect: String,
-    /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`), or
-    /// more front than back faces or fewer (`media`). Objects that are closed are left out.
+    /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`),
+    /// or more front than back faces or fewer (`media`). Objects that are closed are left out.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub open_pixels: BTreeMap<String, u64>,
     /// Voxels that are inside, if requested.

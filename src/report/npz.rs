@@ -92,8 +92,8 @@ pub fn write_records<W: Write + Seek>(out: W, lists: &Lists<Record>) -> io::Resu
     Ok(())
 }
 
-/// Write a layered depth image: `offsets`, `depth`, `width` and `height` as [`write()`] does, without data; and, if they
-/// are given, `voxels` (bool, slices x height x width).
+/// Write a layered depth image: `offsets`, `depth`, `width` and `height` as [`write()`] does, without data; and, if
+/// they are given, `voxels` (bool, slices x height x width).
 ///
 /// # Errors
 /// What `out` reports.

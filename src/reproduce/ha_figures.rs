@@ -132,7 +132,7 @@ pub(super) fn loads(scale: &Scale) -> Result<Outcome> {
         y: "probes per fragment",
         curves,
     };
-    let columns = columns("requested load (%)");
+    let columns = columns("load asked for (%)");
     let (plot, differences) = (Some(plot), Vec::new());
     Ok(Outcome { experiment: "ha-fig5", summary, columns, rows, plot, differences })
 }

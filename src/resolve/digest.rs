@@ -9,8 +9,8 @@ use crate::scheme::Record;
 /// Bytes gathered before the hash sees them: lists may fill most of the memory, so they are never copied whole.
 const CHUNK: usize = 1 << 16;
 
-/// What a frame's pixels hold, as SHA-256, hexadecimal: of lists of fragments ([`fragments_hash`]) and of merged records
-/// ([`records_hash`]); `None` where there are no lists.
+/// What a frame's pixels hold, as SHA-256, hexadecimal: of lists of fragments ([`fragments_hash`]) and of merged
+/// records ([`records_hash`]); `None` where there are no lists.
 #[must_use]
 pub fn kept_hash(kept: &Kept) -> Option<String> {
     match kept {
@@ -30,8 +30,8 @@ pub fn fragments_hash(lists: &Lists) -> String {
     hex(&hasher.finalize())
 }
 
-/// The same of merged records: width and height, offsets, depths, colours as data words (RGBA8), thicknesses (f64), four
-/// premultiplied components of every colour (f64 each), and weights (f64).
+/// The same of merged records: width and height, offsets, depths, colours as data words (RGBA8), thicknesses (f64),
+/// four premultiplied components of every colour (f64 each), and weights (f64).
 #[must_use]
 pub fn records_hash(lists: &Lists<Record>) -> String {
     let (mut hasher, records) = (head(lists), &lists.entries);

@@ -2,8 +2,8 @@
 
 use crate::scheme::{HeldKind, Light, Record};
 
-/// The lists of every pixel, front to back: of fragments as keys (depth in the upper half, data word in the lower), or of
-/// merged records.
+/// The lists of every pixel, front to back: of fragments as keys (depth in the upper half, data word in the lower), or
+/// of merged records.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lists<T = u64> {
     /// Pixels across.

@@ -80,8 +80,8 @@ impl Camera {
         camera
     }
 
-    /// A parallel view from a directional light, whose unit vector `towards` points to it, that shows all of `bounds` in
-    /// a square image, with near and far planes close around it. A single point is treated as a box of unit size.
+    /// A parallel view from a directional light, whose unit vector `towards` points to it, that shows all of `bounds`
+    /// in a square image, with near and far planes close around it. A single point is treated as a box of unit size.
     #[must_use]
     pub fn of_light(bounds: Bounds, towards: DVec3) -> Self {
         let bounds = bounds.thickened();

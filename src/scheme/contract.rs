@@ -1,9 +1,8 @@
 //! Contracts: what a method promises, as data.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::bound::Bound;
-use super::listed::Listed;
 use crate::fragment::{Data, depth_of};
 use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
@@ -371,7 +370,8 @@ impl Contract {
             Keeps::One => (false, false, "none"),
             Keeps::NearestBy(_) => (false, false, "the farthest is evicted"),
             Keeps::Nearest | Keeps::Layers => (true, false, "the farthest is evicted"),
-            Keeps::Merged | Keeps::Approximate(_) => (true, false, "none"),
+            Keeps::Merged | Keeps::Approximate(Limit::Nowhere) => (false, false, "none"),
+            Keeps::Approximate(Limit::EnoughK) => (true, false, "none"),
         };
         Self {
             name,
@@ -527,12 +527,5 @@ impl Contract {
     #[must_use]
     pub fn base_name(&self) -> &'static str {
         self.name.split('@').next().unwrap_or(self.name)
-    }
-}
-
-/// As `fragloom methods --json` lists it.
-impl Serialize for Contract {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Listed::new(self).serialize(serializer)
     }
 }

@@ -1,6 +1,6 @@
 //! A contract as `fragloom methods --json` lists it: flat, with a flag for each question that a reader may have.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::contract::{Contract, Demand, Dependence, Form, Keeps, Program};
 use crate::fragment::Data;
@@ -8,7 +8,7 @@ use crate::num::depth::Format;
 
 /// The fields, in their order; others rely on their names.
 #[derive(Serialize)]
-pub(super) struct Listed {
+struct Listed {
     name: &'static str,
     title: &'static str,
     paper: &'static str,
@@ -43,7 +43,7 @@ pub(super) struct Listed {
 }
 
 impl Listed {
-    pub(super) fn new(contract: &Contract) -> Self {
+    fn new(contract: &Contract) -> Self {
         let c = contract;
         Self {
             name: c.name,
@@ -78,5 +78,11 @@ impl Listed {
             page: c.page,
             interlock: c.is_interlocked(),
         }
+    }
+}
+
+impl Serialize for Contract {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Listed::new(self).serialize(serializer)
     }
 }

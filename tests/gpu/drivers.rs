@@ -22,12 +22,12 @@ use super::support::{contract, method, scene, small_scenes};
 /// Drivers on CPUs take all cores: one test at a time.
 static TURN: Mutex<()> = Mutex::new(());
 
-fn turn() -> MutexGuard<'static, ()> {
+pub(super) fn turn() -> MutexGuard<'static, ()> {
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All devices; or none, and a line that says so, unless they are demanded.
-fn all(test: &str) -> Vec<Opened> {
+pub(super) fn all(test: &str) -> Vec<Opened> {
     let demanded = std::env::var("FRAGLOOM_ADAPTERS").map_or(0, |n| n.parse().expect("a number"));
     let found = devices(None).unwrap_or_default().opened;
     assert!(found.len() >= demanded, "{} adapters instead of {demanded}", found.len());

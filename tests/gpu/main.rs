@@ -7,6 +7,7 @@
 #![cfg(feature = "gpu")]
 
 mod drivers;
+mod inputs;
 mod text;
 
 #[path = "../support/mod.rs"]

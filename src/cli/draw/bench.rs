@@ -1,4 +1,4 @@
-//! `fragloom bench`: how fast methods are, by phase, and beside the same schemes on devices.
+//! `fragloom bench`: how fast methods are, by phase, next to the same schemes on devices.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene, Shading};
 
-/// Scenes that are timed where none is named.
+/// Scenes that are timed if none is named.
 const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottles"];
 
 /// The size of `--quick`.
@@ -48,11 +48,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, conflicts_with = "size")]
     quick: bool,
 
-    /// How often each is timed, 1 to 1000; the median counts
+    /// How often each is timed, 1 to 1000; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
     repeats: u32,
 
-    /// Time the same scheme on every device by turns, too
+    /// Also time the same scheme on every device, alternating with it
     #[cfg(feature = "gpu")]
     #[arg(long)]
     gpu: bool,
@@ -66,7 +66,7 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// One method on one scene, by one executor; and by a device, if one was asked for.
+/// One method on one scene, by one executor, and by a device if requested.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 struct Timing {
     method: String,
@@ -78,7 +78,7 @@ struct Timing {
     seconds: BTreeMap<String, f64>,
     /// Of clear, store and resolve.
     mfrag_per_s: f64,
-    /// How far the machine's own limit is away: not measured.
+    /// The distance from the machine's own limit: not measured.
     limit_ratio: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     adapter: Option<String>,
@@ -94,10 +94,10 @@ struct Timing {
     unsupported: Option<String>,
 }
 
-/// Time everything, print a row each.
+/// Time everything; print a row for each.
 ///
 /// # Errors
-/// Wrong options or scenes, or no device where one was asked for.
+/// Wrong options or scenes, or no device although one was requested.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     if !(1..=1_000).contains(&args.repeats) {
         let problem = format!("is {}, but must be 1 to 1000", args.repeats);
@@ -105,7 +105,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     }
     let quick = args.quick.then_some(QUICK);
     let size = args.size.as_deref().map(values::size).transpose()?.or(quick);
-    // One colour a triangle: shading in floats is not what is timed, and devices do not do it.
+    // One colour per triangle: float shading is not timed, and devices do not do it.
     let shading = Some(Shading::Flat);
     let overrides = Overrides { size, shading, ..Overrides::default() };
     let named: Vec<String> = match args.scenes.as_slice() {
@@ -165,7 +165,7 @@ fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Timing>> {
         .collect()
 }
 
-/// A frame: who drew it, and its times.
+/// A frame: what drew it, and its times.
 #[derive(Clone, Debug)]
 struct TimedFrame {
     row: Timing,
@@ -251,7 +251,7 @@ fn table(rows: &[Timing]) -> String {
 
 #[cfg(feature = "gpu")]
 mod devices {
-    //! By turns with devices.
+    //! Alternating with devices.
 
     use super::{
         Args, Exec, Method, Result, Scene, TimedFrame, Timing, median, once, options, row,

@@ -1,8 +1,8 @@
 //! `fragloom compare`: several methods against the exact reference.
 //!
-//! A method that keeps k fragments is held to the reference with the same k, whose lists it must equal; beside
-//! that stands how far its picture is from the one with all fragments, which is the price of k. All methods and
-//! the reference store depths in one format: the coarsest that any of them fixes.
+//! A method that keeps k fragments must give the same lists as the reference with the same k. The table also shows how
+//! far its picture is from the one with all fragments, which is the cost of k. All methods and the reference store
+//! depths in one format: the coarsest that any of them fixes.
 
 mod row;
 
@@ -51,7 +51,7 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// Draw everything, write the sheets, print a row per method.
+/// Draw everything, write the sheets, and print a row per method.
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
@@ -82,7 +82,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     Ok(if rows.iter().all(Compared::agrees) { Verdict::Clean } else { Verdict::Found })
 }
 
-/// What one method alone brought up.
+/// Report what concerns this method alone.
 fn complain(row: &Compared, known: &[String]) {
     for warning in row.warnings.iter().filter(|warning| !known.contains(warning)) {
         say::warning(&format!("{}: {warning}", row.method));
@@ -92,7 +92,7 @@ fn complain(row: &Compared, known: &[String]) {
     }
 }
 
-/// The methods typed, or all correct ones but the reference.
+/// The given methods, or all correct ones but the reference.
 fn methods(catalogue: &Catalogue, args: &Args) -> Result<Vec<Method>> {
     if !args.methods.is_empty() {
         return args.methods.iter().map(|name| catalogue.find("-m", name)).collect();
@@ -108,12 +108,12 @@ fn common_format(fixed: impl Iterator<Item = Option<Format>>) -> Format {
     fixed.max_by_key(coarseness).unwrap_or_default()
 }
 
-/// One scene, and the reference's frames as far as they were needed.
+/// One scene, and the reference's frames as they are needed.
 struct Session {
     scene: Scene,
-    /// `method` is the reference's.
+    /// `method` is the reference.
     options: Options,
-    /// Those of every row.
+    /// Warnings for all rows.
     warnings: Vec<String>,
     quiet: bool,
     /// By the reference's k (`None` is all fragments) and data word.
@@ -134,11 +134,11 @@ impl Session {
         row.warnings.retain(|warning| !self.warnings.contains(warning));
         row.warnings.splice(..0, self.warnings.iter().cloned());
         row.lists_equal = match (drawn.kept.fragments(), same.kept.fragments()) {
-            // What may be missing was judged by the run itself, fragment by fragment.
+            // The run itself has judged, fragment by fragment, what may be missing.
             _ if contract.keeps == Keeps::Visible => drawn.report.violations.is_empty(),
             (Some(own), Some(same)) if contract.keeps_alike() => own == same,
             (Some(own), Some(same)) => *own == same.cut(|_, keys| keys.dedup()),
-            // Without lists, the pictures are all there is.
+            // Without lists, only the pictures can be compared.
             _ => true,
         };
         row.may_look_different = contract.keeps == Keeps::Visible
@@ -156,8 +156,8 @@ impl Session {
         Ok(row)
     }
 
-    /// The reference's k for a method that ran with `k`, which a memory budget may have chosen; the reference itself is
-    /// held to what was typed.
+    /// The reference's k for a method that ran with `k`, which a memory budget may have chosen; the reference itself
+    /// uses the k that was given.
     fn held_to(&self, method: Method, k: Option<u32>) -> Option<u32> {
         if method == self.options.method {
             self.options.k
@@ -166,8 +166,8 @@ impl Session {
         }
     }
 
-    /// Draw the reference with `k`, unless it has been. Tiles: its answer does not depend on who runs it. A budget is for
-    /// the methods.
+    /// Draw the reference with `k`, unless that is done. It uses tiles, since its answer does not depend on the
+    /// executor. A budget applies only to the methods.
     fn prepare(&mut self, k: Option<u32>, data: Data) -> Result<()> {
         let exec = Exec::Tile;
         let options = Options { k, exec, data, memory_budget: None, ..self.options.clone() };

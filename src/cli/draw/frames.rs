@@ -1,4 +1,4 @@
-//! `fragloom render --frames N`: the camera goes once around.
+//! `fragloom render --frames N`: the camera circles the scene once.
 
 use std::path::{Path, PathBuf};
 
@@ -18,13 +18,13 @@ use crate::scene::Scene;
 /// Options about several frames.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct Frames {
-    /// Draw N frames, 1 to 100000, of a camera that goes once around its target; pictures are FILE-0000.png and so on
+    /// Draw N frames, 1 to 100000, of a camera that circles its target once; pictures are FILE-0000.png and so on
     /// [default: one frame, from where the camera is]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(in crate::cli) frames: Option<u32>,
 
-    /// With `--frames`, when a hash table that is too full or too empty gets another size: at the beginning of the next
-    /// frame, as published; or besides, at once, by drawing a frame again that lost fragments [default: latent]
+    /// With `--frames`, when a hash table that is too full or too empty changes its size: at the beginning of the next
+    /// frame, as published, or in addition at once, by redrawing a frame that lost fragments [default: latent]
     #[arg(long, value_enum, value_name = "WHEN")]
     pub(in crate::cli) resize: Option<When>,
 }
@@ -46,10 +46,10 @@ struct FrameLine {
 }
 
 impl Frames {
-    /// The sequence that was asked for, if one was. `single`: options given that are about one frame.
+    /// The requested sequence, if any. `single`: the given options that apply only to a single frame.
     ///
     /// # Errors
-    /// An option that needs another.
+    /// An option without another option that it needs.
     pub(in crate::cli) fn resolve(&self, single: &[&str]) -> Result<Option<Animation>> {
         let resize = match self.resize {
             None | Some(When::Latent) => Resize::Latent,
@@ -59,17 +59,17 @@ impl Frames {
             (None, Some(_), _) => Err(Error::new("--resize", "needs --frames")),
             (None, None, _) => Ok(None),
             (Some(_), _, Some(option)) => {
-                Err(Error::new(*option, "is for one frame, not --frames"))
+                Err(Error::new(*option, "is for a single frame, not --frames"))
             }
             (Some(frames), _, None) => Ok(Some(Animation { frames, resize })),
         }
     }
 }
 
-/// Draw them all, write their pictures, print a row each.
+/// Draw all frames, write their pictures, and print a row for each.
 ///
 /// # Errors
-/// As a single frame; pictures of earlier frames remain.
+/// As for a single frame; pictures of earlier frames remain.
 pub(in crate::cli) fn run(
     scene: &Scene,
     settings: &Settings,

@@ -54,7 +54,7 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// Draw, write the files asked for, print the accounting.
+/// Draw, write the requested files, and print the accounting.
 ///
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.

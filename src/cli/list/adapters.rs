@@ -1,4 +1,4 @@
-//! `fragloom adapters`: which devices there are.
+//! `fragloom adapters`: the available devices.
 
 use crate::cli::Verdict;
 use crate::cli::terminal::say;
@@ -17,7 +17,7 @@ pub(in crate::cli) struct Args {
     json: bool,
 }
 
-/// What an adapter has, as far as it matters here.
+/// The properties of an adapter that matter here.
 #[derive(Debug, serde::Serialize)]
 struct Traits {
     #[serde(flatten)]
@@ -29,10 +29,10 @@ struct Traits {
     problem: Option<String>,
 }
 
-/// Print what adapters there are.
+/// Print the available adapters.
 ///
 /// # Errors
-/// There is none.
+/// No adapter is available.
 pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     let found = device::adapters();
     if found.is_empty() {

@@ -40,7 +40,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     Ok(Verdict::Clean)
 }
 
-/// Print the stability matrix. A contract that declares something else than was seen is a finding.
+/// Print the stability matrix. A contract that declares something other than what was observed is a finding.
 fn stability(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let rows = wait::during(args.json, "drawing", || stability::derive(catalogue))?;
     let text = if args.json { json::document(&rows)? } else { matrix(&rows) };
@@ -59,7 +59,7 @@ fn matrix(rows: &[Stability]) -> String {
             [false, true] => "races",
             [false, false] => "nothing",
         };
-        let agrees = if row.agrees() { "" } else { " (NOT AS SEEN)" };
+        let agrees = if row.agrees() { "" } else { " (NOT AS OBSERVED)" };
         let overflow = match (row.arrival_at_overflow, row.pooled) {
             (true, true) => "depends (pool)".to_owned(),
             (seen, _) => word(seen),

@@ -1,4 +1,4 @@
-//! Commands that list what there is.
+//! Commands that list what is available.
 
 #[cfg(feature = "gpu")]
 pub(super) mod adapters;

@@ -1,4 +1,4 @@
-//! `fragloom mutations`: the faults that are built in, and the methods that have them.
+//! `fragloom mutations`: the built-in faults, and the methods that have them.
 
 use crate::catalogue::faults::{MUTATIONS, Mutation};
 use crate::cli::Verdict;
@@ -24,7 +24,7 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::Clean)
 }
 
-/// A line per mutation, and one per method under it that has it, or why none does.
+/// A line per mutation; under it, one per method that has it, or the reason why none does.
 fn table(mutations: &[Mutation]) -> String {
     let mut rows = vec![["mutation", "what is wrong"].map(str::to_owned).to_vec()];
     for mutation in mutations {

@@ -1,4 +1,4 @@
-//! What can be made of a frame's lists, as typed, checked and completed.
+//! Effects on a frame's lists: options as given, checked and completed.
 
 use std::path::PathBuf;
 
@@ -12,14 +12,15 @@ use crate::render::{self, Effect, Options, Shadows};
 /// Options about effects.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct Effects {
-    /// What is made of the sorted lists: oit (surfaces over each other), media (absorption inside of closed objects, by
-    /// thickness), csg=EXPRESSION over closed objects like csg='(a | b) - c' (~ - & ^ | from the tightest; names are
-    /// those of the scene file, or a, b, c, ... in order), or ldi (layered depth image: what is solid, by parity)
+    /// What to make from the sorted lists: oit (surfaces composited over each other), media (absorption inside of
+    /// closed objects, by thickness), csg=EXPRESSION over closed objects like csg='(a | b) - c' (~ - & ^ | from the
+    /// tightest; names are those of the scene file, or a, b, c, ... in order), or ldi (layered depth image: what is
+    /// solid, by parity)
     #[arg(long, value_name = "EFFECT", default_value = "oit")]
     pub(in crate::cli) effect: String,
 
-    /// With `--effect media`, multiply absorption by N, 0 or more; with 1, colour and opacity say what one world unit of
-    /// a material does to light [default: 1]
+    /// With `--effect media`, multiply absorption by N, 0 or more; with 1, colour and opacity describe what one world
+    /// unit of a material does to light [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(in crate::cli) density: Option<f64>,
 
@@ -38,7 +39,7 @@ pub(in crate::cli) struct Effects {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(in crate::cli) voxels: Option<u32>,
 
-    /// Draw a second frame with the same method from the light, whose lists throw translucent, coloured shadows
+    /// Draw a second frame with the same method from the light, whose lists cast translucent, coloured shadows
     #[arg(long)]
     pub(in crate::cli) shadows: bool,
 
@@ -46,17 +47,17 @@ pub(in crate::cli) struct Effects {
     #[arg(long, value_name = "PIXELS", allow_negative_numbers = true)]
     pub(in crate::cli) shadow_size: Option<u32>,
 
-    /// With `--shadows`, how much nearer to the light a surface must be to throw a shadow, in world units, 0 or more
+    /// With `--shadows`, how much nearer to the light a surface must be to cast a shadow, in world units, 0 or more
     /// [default: twice the width of a pixel of the frame from the light]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     pub(in crate::cli) shadow_bias: Option<f64>,
 }
 
 impl Effects {
-    /// Complete a run's options; `data` is what was typed for it.
+    /// Complete a run's options; `data` is the value given for it.
     ///
     /// # Errors
-    /// An effect of another form, or an option that goes with another effect.
+    /// An effect of another form, or an option that belongs to another effect.
     pub(in crate::cli) fn resolve(&self, data: Option<Data>, options: &mut Options) -> Result<()> {
         options.effect = self.effect()?;
         let goes_with = [
@@ -131,7 +132,7 @@ mod tests {
         let csg = resolved(&["--effect", "csg=a-b"], None).unwrap();
         assert_eq!(csg.effect.name(), "csg");
         let typed = resolved(&["--effect", "csg=a"], Some(Data::Color)).unwrap();
-        assert_eq!(typed.data, render::Data::Color, "what is typed is not changed, but refused");
+        assert_eq!(typed.data, render::Data::Color, "a given value is not changed, but refused");
         let ldi = resolved(&["--effect", "ldi", "--voxels", "8"], None).unwrap();
         assert_eq!((ldi.effect, ldi.data), (Effect::Ldi { voxels: Some(8) }, Default::default()));
         let shadows = resolved(&["--shadows", "--shadow-size", "64"], None).unwrap().shadows;

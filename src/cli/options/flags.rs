@@ -1,4 +1,4 @@
-//! What can be typed, exactly as it was typed: nothing is checked or completed here beyond the form of numbers.
+//! Command-line flags exactly as given: nothing is checked or completed here except the syntax of numbers.
 
 use clap::{Args, ValueEnum};
 
@@ -21,7 +21,7 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_enum, value_name = "SHADING")]
     pub(in crate::cli) shading: Option<Shading>,
 
-    /// Who runs the invocations: parallel tiles, contending threads, or a simulated device
+    /// How invocations are executed: parallel tiles, contending threads, or a simulated device
     #[arg(long, value_enum, value_name = "EXECUTOR", default_value = "tile")]
     pub(in crate::cli) exec: Exec,
 
@@ -33,8 +33,8 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(in crate::cli) seed: Option<u64>,
 
-    /// With `--exec sim`, who goes next: order, reverse, round-robin, random, pct:D (D - 1 random changes of
-    /// priority), warp:N (lanes) or recorded:FILE (as `render --record` wrote it) [default: random]
+    /// With `--exec sim`, which invocation goes next: order, reverse, round-robin, random, pct:D (D - 1 random changes
+    /// of priority), warp:N (lanes) or recorded:FILE (written by `render --record`) [default: random]
     #[arg(long, value_name = "POLICY")]
     pub(in crate::cli) schedule: Option<String>,
 
@@ -54,8 +54,8 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(in crate::cli) depth_format: Option<DepthFormat>,
 
-    /// The 32-bit word stored with a depth: RGBA8, the global triangle index, or none, 0 [default: color; primitive where
-    /// the effect must know a fragment's object; the method's own, where it has room for no other]
+    /// The 32-bit word stored with a depth: RGBA8, the global triangle index, or none, 0 [default: color; primitive if
+    /// the effect must know a fragment's object; the method's own if it has room for no other]
     #[arg(long, value_enum, value_name = "WORD")]
     pub(in crate::cli) data: Option<Data>,
 
@@ -63,18 +63,17 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_enum, value_name = "FACES", default_value = "none")]
     pub(in crate::cli) cull_face: CullFace,
 
-    /// Let the method's storage take at most so many bytes (K, M, G and T as below): the largest k that fits, from the
-    /// depth-complexity histogram; or the largest pool, where storage does not depend on k [default: no budget]
+    /// Let the method's storage take at most this many bytes (K, M, G and T as below): the largest k that fits, from
+    /// the depth-complexity histogram; or the largest pool, if storage does not depend on k [default: no budget]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
     pub(in crate::cli) memory_budget: Option<String>,
 
-    /// Size of a hash table: the share of its cells that fragments shall fill, 1 to 100 per cent. It is never smaller than
-    /// the image on either axis [default: 50]
+    /// Size of a hash table: the share of its cells to be filled by fragments, 1 to 100 per cent. It is never smaller
+    /// than the image on either axis [default: 50]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
     pub(in crate::cli) load: Option<u32>,
 
-    /// Size of a hash table in cells, instead; at least the image's size on each axis [default: as --load asks
-    /// for]
+    /// Size of a hash table in cells, instead; at least the image's size on each axis [default: from --load]
     #[arg(long, value_name = "WxH")]
     pub(in crate::cli) table: Option<String>,
 
@@ -94,8 +93,8 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_name = "OPACITY", default_value_t = 0.99, allow_negative_numbers = true)]
     pub(in crate::cli) cull_threshold: f64,
 
-    /// With `--exec sim`, look at memory after every step of the store pass: words that only grow, and what the method
-    /// says must always be true
+    /// With `--exec sim`, check memory after every step of the store pass: words that may only grow, and the method's
+    /// invariants
     #[arg(long)]
     pub(in crate::cli) check_steps: bool,
 

@@ -1,4 +1,4 @@
-//! What was typed, checked and completed.
+//! Command-line options, checked and completed.
 
 pub(super) mod effects;
 pub(super) mod flags;

@@ -1,4 +1,4 @@
-//! From what was typed to what is run: values are checked and defaults filled in.
+//! From the given options to what is run: values are checked and defaults filled in.
 
 use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Offsets, Shading, Sort};
 use super::values;
@@ -11,18 +11,18 @@ use crate::scene::{self, Overrides};
 /// Invocations in flight unless `--resident` is given.
 const RESIDENT: usize = 4_096;
 
-/// A run, ready but for the scene.
+/// A run, ready except for the scene.
 #[derive(Clone, Debug)]
 pub(in crate::cli) struct Settings {
     /// What the command line changes in the scene.
     pub(in crate::cli) overrides: Overrides,
-    /// What it is drawn with.
+    /// The options for drawing.
     pub(in crate::cli) options: Options,
     /// Options that were given and have no effect.
     pub(in crate::cli) warnings: Vec<String>,
 }
 
-/// Check and complete what was typed, for a method of the catalogue. `record`: the schedule is wanted.
+/// Check and complete the given options for a method of the catalogue. `record`: the schedule is to be recorded.
 ///
 /// # Errors
 /// The option that is wrong, and what would be right.
@@ -100,7 +100,7 @@ fn sim(typed: &Drawing, record: bool) -> Result<Sim> {
     Ok(Sim { policy, seed, resident, record, watch: None, check })
 }
 
-/// Options without effect are no errors: scripts give them to every run.
+/// Options without effect are not errors: scripts pass them to every run.
 fn idle(typed: &Drawing) -> Vec<String> {
     let simulated = typed.exec == Exec::Sim;
     let random = typed.schedule.as_deref().is_none_or(|p| p == "random" || p.starts_with("pct:"));

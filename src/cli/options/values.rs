@@ -1,4 +1,4 @@
-//! Option values with a form of their own: sizes, places, bytes.
+//! Option values with their own syntax: sizes, places, bytes.
 
 use crate::error::{Error, Result};
 use crate::scene::MAX_SIZE;
@@ -6,7 +6,7 @@ use crate::scene::MAX_SIZE;
 /// `WxH` in pixels.
 ///
 /// # Errors
-/// Another form, or an edge of 0 or above [`MAX_SIZE`].
+/// Wrong syntax, or an edge of 0 or above [`MAX_SIZE`].
 pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match parsed {
@@ -21,7 +21,7 @@ pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
 /// `WxH` cells of a hash table.
 ///
 /// # Errors
-/// Another form, or an edge of no cells.
+/// Wrong syntax, or an edge of no cells.
 pub(in crate::cli) fn cells(option: &str, text: &str) -> Result<[u32; 2]> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     parsed.filter(|size: &[u32; 2]| !size.contains(&0)).ok_or_else(|| {
@@ -32,7 +32,7 @@ pub(in crate::cli) fn cells(option: &str, text: &str) -> Result<[u32; 2]> {
 /// `X,Y` in pixels, from the top left.
 ///
 /// # Errors
-/// Another form.
+/// Wrong syntax.
 pub(in crate::cli) fn pixel(text: &str) -> Result<[u32; 2]> {
     let parsed = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
     parsed.ok_or_else(|| {
@@ -44,7 +44,7 @@ pub(in crate::cli) fn pixel(text: &str) -> Result<[u32; 2]> {
 /// A number of bytes, with K, M, G or T for powers of 1,024.
 ///
 /// # Errors
-/// Another form, 0, or more than 64 bits hold.
+/// Wrong syntax, 0, or more than 64 bits hold.
 pub(in crate::cli) fn bytes(option: &str, text: &str) -> Result<u64> {
     let (digits, shift) = match text.char_indices().last() {
         Some((at, 'K' | 'k')) => (&text[..at], 10),

@@ -1,4 +1,4 @@
-//! Ctrl-C during long work: the first one asks for what was found so far, the second one ends the program.
+//! Ctrl-C during long work: the first press asks for what was found so far, the second ends the program.
 
 use crossbeam_channel::{Receiver, bounded};
 
@@ -9,7 +9,7 @@ pub(in crate::cli) struct Interrupt(Receiver<()>);
 const INTERRUPTED: i32 = 130;
 
 impl Interrupt {
-    /// From now on.
+    /// Watch from now on.
     pub(in crate::cli) fn watch() -> Self {
         let (pressed, seen) = bounded(1);
         let handler = move || {

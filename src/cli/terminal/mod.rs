@@ -1,4 +1,4 @@
-//! The terminal: where words go, a sign of life, and Ctrl-C.
+//! The terminal: output, a progress spinner, and Ctrl-C.
 
 pub(super) mod interrupt;
 pub(super) mod say;

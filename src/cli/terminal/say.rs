@@ -1,13 +1,13 @@
-//! Where words go: results to stdout, the rest to stderr. A reader that has gone away is no fault.
+//! Output: results to stdout, the rest to stderr. It is no error if the reader has gone away.
 
 use std::io::{self, ErrorKind, Write};
 
 use crate::error::{Error, Result};
 
-/// A result, whole.
+/// A whole result.
 ///
 /// # Errors
-/// stdout cannot be written, for another reason than that nobody reads it.
+/// stdout cannot be written, for a reason other than a closed pipe.
 pub(in crate::cli) fn result(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -28,7 +28,7 @@ pub(in crate::cli) fn warning(message: &str) {
     line("warning", message);
 }
 
-/// Something that must not happen and did.
+/// Something forbidden that happened.
 pub(in crate::cli) fn violation(message: &str) {
     line("violation", message);
 }

@@ -22,11 +22,11 @@ use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// Methods of the catalogue (see `fragloom methods`); with --claim, instead of the claim's own
+    /// Methods of the catalogue (see `fragloom methods`); with --claim, instead of the claim's methods
     #[arg(value_name = "METHOD")]
     methods: Vec<String>,
 
-    /// Check every method of the catalogue but the built-in faults
+    /// Check every method of the catalogue except the built-in faults
     #[arg(long, conflicts_with_all = ["claim", "mutation", "mutations"])]
     all: bool,
 
@@ -42,8 +42,8 @@ pub(in crate::cli) struct Args {
     #[arg(long, conflicts_with_all = ["scene", "methods"])]
     mutations: bool,
 
-    /// Check on a scene instead of litmus pixels: with --pixel that pixel's fragments, else whole executions [default:
-    /// litmus pixels made from the contract]
+    /// Check on a scene instead of litmus pixels: with --pixel that pixel's fragments, otherwise whole executions
+    /// [default: litmus pixels made from the contract]
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
 
@@ -60,8 +60,8 @@ pub(in crate::cli) struct Args {
     #[arg(short, value_name = "K", allow_negative_numbers = true)]
     k: Option<u32>,
 
-    /// With --scene, executions on the simulated device, with seeds one after another; with --pixel, random runs where
-    /// there are too many interleavings to explore
+    /// With --scene, executions on the simulated device, with consecutive seeds; with --pixel, random runs if there are
+    /// too many interleavings to explore
     #[arg(long, value_name = "N", default_value_t = 20, allow_negative_numbers = true)]
     executions: u64,
 
@@ -69,18 +69,18 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "MODEL", value_parser = ["sc", "relaxed"])]
     memory_model: Option<String>,
 
-    /// With relaxed memory, what a shading language makes of orders: vulkan, glsl, wgsl or all
+    /// With relaxed memory, the shading language whose memory orders apply: vulkan, glsl, wgsl or all
     #[arg(long, value_name = "LANGUAGE", default_value = "vulkan",
           value_parser = ["vulkan", "glsl", "wgsl", "all"])]
     profile: String,
 
-    /// Whom the device guarantees to schedule: unfair, hsa, obe, hsa+obe, lobe, fair, simt (fair, and the lanes of a warp
-    /// wait for each other), all or none [default: obe, fair and simt]
+    /// Which invocations the device guarantees to schedule: unfair, hsa, obe, hsa+obe, lobe, fair, simt (fair, and the
+    /// lanes of a warp wait for each other), all or none [default: obe, fair and simt]
     #[arg(long, value_name = "MODEL",
           value_parser = ["unfair", "hsa", "obe", "hsa+obe", "lobe", "fair", "simt", "all", "none"])]
     progress: Option<String>,
 
-    /// Helper invocations beside the first fragments: their writes have no effect, their atomics return anything
+    /// Helper invocations next to the first fragments: their writes have no effect, their atomics return any value
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     helpers: u32,
 
@@ -92,8 +92,8 @@ pub(in crate::cli) struct Args {
     #[arg(long, conflicts_with_all = ["claim", "mutation", "mutations", "scene"])]
     outcomes: bool,
 
-    /// Expected verdicts, as TOML: exit with 0 if all are as expected and nothing else is violated [default: nothing may
-    /// be violated]
+    /// Expected verdicts, as TOML: exit with 0 if all are as expected and nothing else is violated [default: nothing
+    /// may be violated]
     #[arg(long, value_name = "FILE")]
     expect: Option<String>,
 
@@ -101,11 +101,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "WxH", requires = "scene")]
     size: Option<String>,
 
-    /// With --scene, who goes next on the simulated device (see `fragloom render`)
+    /// With --scene, which invocation goes next on the simulated device (see `fragloom render`)
     #[arg(long, value_name = "POLICY", default_value = "random")]
     schedule: String,
 
-    /// With --scene, the first execution's seed, 64 bits
+    /// With --scene, the seed of the first execution, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
@@ -117,7 +117,7 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// Check, print the verdicts.
+/// Check, and print the verdicts.
 ///
 /// # Errors
 /// Wrong options, an unknown method, claim or fault, or a scene that cannot be drawn.
@@ -191,7 +191,7 @@ fn rows(
     Ok(wait::during(quiet, "checking", || subjects.iter().flat_map(check).collect()))
 }
 
-/// The methods asked for.
+/// The requested methods.
 fn subjects(catalogue: &Catalogue, args: &Args, needed: bool) -> Result<Vec<Subject>> {
     if args.all {
         return catalogue.promised().map(Subject::new).collect();
@@ -286,7 +286,7 @@ fn plan(args: &Args) -> Result<Plan> {
         return Err(Error::new("-k", format!("is above {MOST_K}, the most of a litmus pixel")));
     }
     if args.max_states == 0 {
-        return zero("--max-states", "at least 1 state must be looked at");
+        return zero("--max-states", "at least 1 state must be explored");
     }
     if args.helpers > MOST_FRAGMENTS {
         return Err(Error::new("--helpers", format!("is above {MOST_FRAGMENTS}")));

@@ -1,4 +1,4 @@
-//! `fragloom crosscheck`: the same schemes on wgpu, against what must be there.
+//! `fragloom crosscheck`: the same schemes on wgpu, against the expected results.
 
 mod litmus;
 
@@ -19,7 +19,7 @@ use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene};
 
-/// Scenes that are compared where none is named.
+/// Scenes that are compared if none is named.
 const SCENES: [&str; 9] = [
     "synthetic:n=24",
     "synthetic:n=40,tessellation=9,density=80",
@@ -53,11 +53,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 
-    /// How fragments come to the store pass [default: both ways]
+    /// How fragments reach the store pass [default: both ways]
     #[arg(long, value_enum, value_name = "PATH")]
     path: Option<PathFlag>,
 
-    /// In which order the compute path gets the fragments
+    /// The order in which the compute path gets the fragments
     #[arg(long, value_enum, value_name = "ORDER", default_value = "shuffled")]
     order: FragmentOrder,
 
@@ -69,8 +69,8 @@ pub(in crate::cli) struct Args {
     #[arg(long = "size", value_name = "WxH,...", value_delimiter = ',')]
     sizes: Vec<String>,
 
-    /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's; then
-    /// thousands of copies at once, their outcomes counted against all that interleavings can give
+    /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's;
+    /// then thousands of copies at once, their outcomes counted against all that interleavings allow
     #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k"])]
     litmus: bool,
 
@@ -104,7 +104,7 @@ enum FragmentOrder {
     Submission,
 }
 
-/// Compare every scene on every adapter, print a row per method and path.
+/// Compare every scene on every adapter, and print a row per method and path.
 ///
 /// # Errors
 /// Wrong options or scenes, or there is no adapter.
@@ -121,7 +121,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     let load = |name: &String, &size: &Option<[u32; 2]>| {
         scene::load(name, &Overrides { size, ..Overrides::default() })
     };
-    // All at once, so that what cannot be read is said before anything is drawn.
+    // All are loaded first, so that unreadable files are reported before anything is drawn.
     let scenes: Vec<Scene> = wait::during(args.output.quiet, "loading", || {
         let all = named.iter().flat_map(|name| sizes.iter().map(move |size| (name, size)));
         all.map(|(name, size)| load(name, size)).collect::<Result<_>>()
@@ -148,7 +148,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
             row.adapter, row.method, row.scene, row.path, row.reason
         ));
     }
-    // What is unsupported is no pass.
+    // An unsupported row does not count as a pass.
     let compared = rows.iter().any(Agreement::is_compared);
     if !compared {
         say::violation("nothing was compared");
@@ -157,7 +157,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     Ok(if found { Verdict::Found } else { Verdict::Clean })
 }
 
-/// The sizes to draw every scene in; its own where none is given.
+/// The sizes to draw every scene in; its own if none is given.
 fn sizes(args: &Args) -> Result<Vec<Option<[u32; 2]>>> {
     if args.quick {
         return Ok(vec![Some(QUICK)]);
@@ -168,7 +168,7 @@ fn sizes(args: &Args) -> Result<Vec<Option<[u32; 2]>>> {
     args.sizes.iter().map(|text| crate::cli::options::values::size(text).map(Some)).collect()
 }
 
-/// The devices that take part; who cannot is named in a warning.
+/// The devices that take part; a warning names those that cannot.
 pub(in crate::cli) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>> {
     let found = open::devices(wanted)?;
     found.refused.iter().for_each(|refused| say::warning(&format!("left out: {refused}")));
@@ -206,7 +206,7 @@ fn status(status: Status, reason: &str) -> String {
     if reason.is_empty() { word } else { format!("{word}: {reason}") }
 }
 
-/// A scene on all devices. Those of one sub-pixel precision share its set-up.
+/// A scene on all devices. Devices with the same sub-pixel precision share its set-up.
 fn compare(
     args: &Args,
     scene: &Scene,
@@ -236,7 +236,7 @@ fn compare(
     Ok(rows)
 }
 
-/// Rows for methods on a path that the device cannot go.
+/// Rows for methods on a path that the device does not support.
 fn without_raster(
     scene: &Scene,
     opened: &open::Opened,
@@ -264,7 +264,7 @@ fn without_raster(
     options.twins.iter().map(row).collect()
 }
 
-/// What was compared, in all: by adapter and path, and whether the result may depend on the schedule.
+/// A summary of what was compared: by adapter and path, and whether the result may depend on the schedule.
 fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
     use Align::{Left, Right};
     let heading = [
@@ -322,7 +322,8 @@ fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
     format!("\n{}", columns(&align, &lines))
 }
 
-/// As many of an adapter's first words as tell it from the others: names are long, and whole in the summary.
+/// The first words of an adapter's name that distinguish it from the others: full names are long, and the summary has
+/// them.
 fn short<'a>(name: &'a str, all: &[String]) -> &'a str {
     let ends = name.match_indices(' ').map(|(at, _)| at);
     let is_own = |start: &&str| all.iter().filter(|other| other.starts_with(*start)).count() < 2;
@@ -352,7 +353,7 @@ fn lines(rows: &[Agreement], adapters: &[String]) -> String {
         };
         let repeated = match row.repeated {
             0 => String::new(),
-            n => format!(" (waits for a lock begun again: {n})"),
+            n => format!(" (invocations rerun after waiting for a lock: {n})"),
         };
         lines.push(vec![
             short(&row.adapter, adapters).to_owned(),

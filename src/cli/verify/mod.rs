@@ -1,4 +1,4 @@
-//! Commands that hold methods to what they promise, and papers to what they claim.
+//! Commands that check what methods promise and what papers claim.
 
 pub(super) mod check;
 #[cfg(feature = "gpu")]

@@ -1,4 +1,4 @@
-//! `fragloom replay`: run a token's interleaving again.
+//! `fragloom replay`: replay a token's interleaving.
 
 use std::path::PathBuf;
 
@@ -19,19 +19,21 @@ use crate::report::{files, json, table};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// What `fragloom check` printed: a value that begins with fl2-
+    /// A token printed by `fragloom check`: a value that begins with fl2-
     #[arg(value_name = "TOKEN")]
     token: String,
 
-    /// Print the interleaving: one column per invocation, the words, and the step after which no way was right
+    /// Print the interleaving: one column per invocation, the words, and the step from which on every continuation is
+    /// wrong
     #[arg(long)]
     trace: bool,
 
-    /// Cut it down: of a scene to one pixel; of a pixel fragments, then switches between invocations; print the token
+    /// Minimise it: a scene to one pixel; a pixel first by fragments, then by switches between invocations; print the
+    /// token
     #[arg(long)]
     minimise: bool,
 
-    /// Write the picture of a scene's token, or the trace of a pixel's, into a folder [default: not written]
+    /// Write the picture of a scene's token, or the trace of a pixel's token, into a folder [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -39,10 +41,10 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// Run the token again. Exit code 1: what it shows is a violation, and it shows again.
+/// Replay the token. Exit code 1 if the replay shows a violation.
 ///
 /// # Errors
-/// A token that is damaged, of another version, or of something that has changed since.
+/// A token that is damaged, of another version, or for something that has changed since.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let token: Token = args.token.parse()?;
     let interrupt = Interrupt::watch();
@@ -83,7 +85,7 @@ fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
     let conditions = token.conditions();
     let warp = if conditions.warp.is_some() { ", lanes of one warp" } else { "" };
     let mut text = format!(
-        "{} on {}, memory {}{warp}: {} steps; it was made of a violation of '{}'\n",
+        "{} on {}, memory {}{warp}: {} steps; it was made from a violation of '{}'\n",
         token.method,
         token.litmus.describe(),
         conditions.memory,
@@ -103,10 +105,10 @@ fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
         text += &format!("{}: {told}\n", property.name());
     }
     if let Some(steps) = replayed.doomed_after {
-        text += &format!("after step {steps}, no way to go on was right\n");
+        text += &format!("from step {steps} on, every continuation is wrong\n");
     }
     if replayed.cycle > 0 {
-        text += &format!("the last {} steps repeat for ever\n", replayed.cycle);
+        text += &format!("the last {} steps repeat forever\n", replayed.cycle);
     }
     text
 }
@@ -177,7 +179,7 @@ fn report(args: &Args, replayed: &SceneReplay) -> Result<Verdict> {
         json::document(report)?
     } else {
         let name = &replayed.scene.name;
-        format!("{name} again, with the same fragments\n{}", table::accounting(report))
+        format!("replayed {name}, with the same fragments\n{}", table::accounting(report))
     };
     say::result(&text)?;
     Ok(if replayed.is_wrong() { Verdict::Found } else { Verdict::Clean })

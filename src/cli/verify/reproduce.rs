@@ -1,4 +1,4 @@
-//! `fragloom reproduce`: the papers' tables and figures, ours beside theirs.
+//! `fragloom reproduce`: the papers' tables and figures, ours next to theirs.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ pub(in crate::cli) struct Args {
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
 
-    /// A folder that exists, for EXPERIMENT.csv, and EXPERIMENT.svg where there are curves [default: not written]
+    /// A folder that exists, for EXPERIMENT.csv, and EXPERIMENT.svg if there are curves [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     folder: Option<PathBuf>,
 
@@ -25,7 +25,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "PIXELS", default_value_t = 512, allow_negative_numbers = true)]
     edge: u32,
 
-    /// How often each point is timed, 1 to 1000; the median counts
+    /// How often each point is timed, 1 to 1000; the median is reported
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     repeats: u32,
 
@@ -33,7 +33,7 @@ pub(in crate::cli) struct Args {
     output: Output,
 }
 
-/// Run them, write the files, print the tables.
+/// Run them, write the files, and print the tables.
 ///
 /// # Errors
 /// An unknown experiment, a scale out of range, or a file that cannot be written.

@@ -1,6 +1,6 @@
 //! Memory models: what an operation may find.
 //!
-//! [`model`] says what every model answers, [`sequential`] and [`relaxed`] are the two there are.
+//! [`model`] defines what every model answers; [`sequential`] and [`relaxed`] are the two models.
 
 pub(super) mod model;
 mod relaxed;
@@ -13,7 +13,7 @@ use crate::memory::Numbering;
 use self::model::{Initial, Model};
 pub use self::model::{MemoryModel, Profile};
 
-/// Make the model's memory for some initial words. `candidates` are the values that an unwritten word is given.
+/// Make the model's memory for some initial words. `candidates` are the values that an unwritten word may take.
 pub(in crate::explore) fn make(
     model: MemoryModel,
     cells: &Numbering,

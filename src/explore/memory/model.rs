@@ -9,19 +9,19 @@ use crate::memory::{Access, Order};
 /// How memory behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MemoryModel {
-    /// Sequential consistency: an operation is a step, and all see the same order of steps.
+    /// Sequential consistency: an operation is a step, and all invocations see the same order of steps.
     Sequential,
     /// Release and acquire without load buffering and 2+2W: see `relaxed`.
     Relaxed(Profile),
 }
 
-/// What a shading language makes of the orders that a scheme is written with.
+/// How a shading language treats the memory orders that a scheme is written with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Profile {
     /// As written: the Vulkan memory model has release and acquire.
     Vulkan,
     /// GLSL: atomics are relaxed; acquire is a relaxed operation before a memory barrier, release one after it; images
-    /// are `coherent`, so a plain access behaves as a relaxed one and is called no race.
+    /// are `coherent`, so a plain access behaves as a relaxed one and is not reported as a race.
     Glsl,
     /// WGSL: every atomic is relaxed, whatever was written. A lock is outside of what the language guarantees.
     Wgsl,
@@ -46,7 +46,7 @@ impl MemoryModel {
         }
     }
 
-    /// What a verdict under this model must say.
+    /// The text that a verdict under this model must contain.
     #[must_use]
     pub fn bound(self) -> &'static str {
         match self {
@@ -79,7 +79,7 @@ impl Profile {
         }
     }
 
-    /// What is left of an order, and whether a barrier stands before and after the operation.
+    /// The order that remains, and whether a barrier stands before and after the operation.
     pub(in crate::explore) fn order(self, order: Order) -> (Order, Fences) {
         let (before, after) = match order {
             Order::Relaxed => (false, false),
@@ -107,7 +107,7 @@ pub(in crate::explore) struct Fences {
     pub(in crate::explore) after: bool,
 }
 
-/// Two unordered accesses of which one is a write and one is plain.
+/// Two unordered accesses, at least one of which is a write and at least one plain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::explore) struct Race {
     /// The earlier one's invocation.
@@ -125,7 +125,7 @@ pub(in crate::explore) struct Race {
 pub(in crate::explore) enum Initial {
     /// As the clear pass left it.
     Written(u64),
-    /// Anything: decided when it is first read.
+    /// Any value: chosen when it is first read.
     Unwritten,
 }
 
@@ -137,13 +137,13 @@ pub(in crate::explore) trait Model {
     /// In how many ways the invocation's operation can go.
     fn alternatives(&mut self, invocation: usize, cell: u32, action: Action) -> usize;
 
-    /// Perform it, in one of these ways; the value that it reads, 0 for a write.
+    /// Perform it in one of these ways, and give the value that it reads, 0 for a write.
     fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64;
 
     /// The race that the last operation was part of.
     fn race(&self) -> Option<Race>;
 
-    /// Whether an operation was ever left out for want of room: what was explored is then not all.
+    /// Whether an operation was ever left out for lack of room: the exploration is then incomplete.
     fn full(&self) -> bool {
         false
     }
@@ -151,10 +151,11 @@ pub(in crate::explore) trait Model {
     /// Encode the state; `live` has a bit for every invocation that has not ended.
     fn store(&self, live: u32, into: &mut Vec<u32>);
 
-    /// A barrier between passes: everybody sees everything, and these words besides; who comes now is new.
+    /// A barrier between passes: every invocation sees everything, and these words in addition; invocations that start
+    /// now are new.
     fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>);
 
-    /// What a word holds once all invocations are ordered before the reader; `None` if nobody wrote it.
+    /// What a word holds once all invocations are ordered before the reader; `None` if it was never written.
     fn settled(&self, cell: u32) -> Option<u64>;
 }
 

@@ -1,7 +1,7 @@
-//! Relaxed memory by messages and views: the promising semantics without promises, in which a write takes its place in
-//! its word's order when it is performed.
+//! Relaxed memory by messages and views: the promising semantics without promises, in which a write takes its place
+//! in its word's order when it is performed.
 //!
-//! A word is a list of messages, oldest first: its coherence order. An invocation sees each word from some message on.
+//! A word is a list of messages in its coherence order, oldest first. An invocation sees it from some message on.
 //!
 //! ```text
 //! view        for every word the oldest message that may still be read, and a vector clock
@@ -15,39 +15,43 @@
 //! plain       as relaxed; a race, if an earlier access is unordered, one of both writes and one is plain
 //! ```
 //!
-//! State: `messages` (value, unwritten or not, view); `threads` (`cur`, and with barriers `acq` and `rel`); `accesses`
-//! (each invocation's clock at its last access to each word, by kind). A slice is the bytes of these three. It is
-//! canonical ([`Canonical`]): messages that no live invocation may read any more are dropped and the rest renumbered;
-//! views of ended invocations are forgotten; clocks keep the order of accesses that may still race, and nothing else.
-//! Equal slices are one state. States that behave alike may have different slices: that costs states, not results.
+//! State: `messages` (value, unwritten or not, view); `threads` (`cur`, and with barriers `acq` and `rel`);
+//! `accesses` (each invocation's clock at its last access to each word, by kind). A slice is the bytes of these three
+//! in canonical form ([`Canonical`]): messages that no live invocation may read any more are dropped and the rest
+//! renumbered; views of ended invocations are forgotten; clocks keep the order of accesses that may still race, and
+//! nothing else. Equal slices are one state. States that behave alike may have different slices: that costs states,
+//! not results.
 //!
 //! Invariants, between operations:
 //!
 //! 1. A word's order grows at its end only. A message's view names the message itself.
-//! 2. An invocation's `cur` only grows, and it reads from there on. So each word alone is coherent.
-//! 3. Its own clock, in its `cur`, exceeds its clock in every other view: it is raised after each release.
-//! 4. If the `cur` of u knows t's clock up to w, then t's accesses at clock w or before happen before u's next operation.
-//!    The converse holds but for updates that append nothing ([`Relaxed::says_more`]).
+//! 2. An invocation's `cur` only grows, and its reads start there. So each word alone is coherent.
+//! 3. A live invocation's clock, in its own `cur`, exceeds its clock in any other view: it is raised after each
+//!    release.
+//! 4. If the `cur` of u knows the clock of t up to w, the accesses of t at clock w or before happen before what u
+//!    does next. The converse holds too, but for updates that append nothing (`says_more`).
 //!
-//! Why it is sound: a message is there before it is read, so the order of a run contains program order, reads-from and
-//! coherence order. By 2, no read contradicts what happens before it: a run is an execution of C++20 without sequentially
-//! consistent operations. Conversely, an execution in which these three orders have no cycle is a run, in any order that
-//! contains them. An update that appends nothing hides no result: the message that it read is the last, has the same
-//! value, and lets its readers see as much. A state and its canonical form have the same alternatives, results and races,
-//! and lead to states of which that is true again (bisimulation): see [`Canonical`].
+//! Why it is sound: a message is there before it is read, so the order of a run contains program order, reads-from
+//! and coherence order. Joins pass on what happened before, and by 2 no read contradicts it: a run is an execution of
+//! C++20, with the orders and barriers that the profile leaves. Conversely, if these three orders have no cycle in
+//! such an execution, every sequence that contains them is a run. An update that appends nothing hides no result:
+//! what it read is the last message, has the same value, and lets its readers see as much. A state and its canonical
+//! form have the same alternatives, results and races, and lead to states that are alike again (a bisimulation).
 //!
 //! Left out: executions in which program order, reads-from and coherence order have a cycle: load buffering, 2+2W, S
-//! (`tests/memory_model.rs` lists them). Besides: sequentially consistent barriers, scopes, mixed sizes, torn accesses,
-//! availability and visibility as separate steps. An unwritten word has one of a few candidate values. A word has at most
-//! [`MOST_MESSAGES`]; a state beyond is wrong, and [`Model::full`] says that there was one. A compare-exchange that fails
-//! counts as a write: if a word has plain accesses too, that can call a race that is none.
+//! (`tests/memory_model.rs` lists them). Besides: sequentially consistent operations, scopes, mixed sizes, torn
+//! accesses, availability and visibility as separate steps. An unwritten word has one of a few candidate values. At
+//! [`MOST_MESSAGES`] a write is lost, and what follows is no execution; `full` then says that the search was not
+//! complete. A compare-exchange that fails counts as a write: where a word has plain accesses too, that can be called
+//! a race that is none.
 //!
-//! Published: messages and views are those of Kang et al., "A promising semantics for relaxed-memory concurrency" (POPL
-//! 2017), without promises and without gaps between timestamps. Only updates continue a release sequence, as in C++20
-//! (P0982R1); there and in RC11 (Lahav et al., PLDI 2017) an invocation's own later stores do too. Coherence order within
-//! the order of execution is strong release/acquire: Lahav, Giannarakis and Vafeiadis, "Taming release-acquire
-//! consistency" (POPL 2016). Clocks in messages, and for barriers: Lidbury and Donaldson, "Dynamic race detection for
-//! C++11" (POPL 2017). Clocks of accesses: DJIT+ (Pozniansky and Schuster, PPoPP 2003), split into plain and atomic.
+//! Published: messages, views, and cur, acq and rel are those of Kang et al., "A promising semantics for
+//! relaxed-memory concurrency" (POPL 2017), without promises, and with each new timestamp the greatest of its word.
+//! There and in RC11 (Lahav et al., PLDI 2017) an invocation's own later stores continue its release sequence; here,
+//! as in C++20 (P0982R1), only updates do. That coherence orders and the order of execution agree is strong
+//! release/acquire: Lahav, Giannarakis and Vafeiadis, "Taming release-acquire consistency" (POPL 2016). Clocks in
+//! messages and at barriers: Lidbury and Donaldson, "Dynamic race detection for C++11" (POPL 2017). Clocks of
+//! accesses: DJIT+ (Pozniansky and Schuster, PPOPP 2003), here by plain and atomic too.
 
 use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of};
 use crate::memory::asked::Action;
@@ -61,8 +65,8 @@ fn kind(writes: bool, plain: bool) -> usize {
     usize::from(writes) * 2 + usize::from(plain)
 }
 
-/// The words of one state. `profile` to `invocations` are the same in all states; `messages`, `threads` and `accesses`
-/// are the state.
+/// The words of one state. `profile` to `invocations` are the same in all states; `messages`, `threads` and
+/// `accesses` are the state.
 pub(super) struct Relaxed {
     profile: Profile,
     /// The values that an unwritten word may turn out to have.
@@ -100,17 +104,17 @@ struct Message {
 struct View {
     /// For every cell, the oldest message that may still be read.
     from: Vec<u8>,
-    /// For every invocation, up to which of its clock values its operations happened before.
+    /// For every invocation, the clock value up to which its operations have happened before.
     clock: Vec<u8>,
 }
 
 impl View {
-    /// It knows nothing.
+    /// A view that knows nothing.
     fn new(cells: usize, invocations: usize) -> Self {
         Self { from: vec![0; cells], clock: vec![0; invocations] }
     }
 
-    /// Know what the other one knows, too: the least upper bound.
+    /// Add what another view knows: the least upper bound.
     fn join(&mut self, other: &Self) {
         let pairs = self.from.iter_mut().zip(&other.from);
         pairs.chain(self.clock.iter_mut().zip(&other.clock)).for_each(|(a, &b)| *a = (*a).max(b));
@@ -120,7 +124,7 @@ impl View {
 /// An invocation's views.
 #[derive(Clone, Debug)]
 struct Thread {
-    /// What it has seen: it reads from here on. Its own entry of the clock is its clock.
+    /// What it has seen: it reads from here on. The clock's entry for the invocation itself is its own clock.
     cur: View,
     /// The views of all messages that it has read: what an acquire barrier adds to `cur`. Empty without barriers.
     acq: View,
@@ -128,7 +132,8 @@ struct Thread {
     rel: View,
 }
 
-/// Invocations that have done nothing. A clock begins at 1, because 0 in a view is nothing at all.
+/// Invocations that have done nothing. Clocks begin at 1: a 0 in a view means that it knows nothing of the
+/// invocation.
 fn threads(empty: &View) -> Vec<Thread> {
     let thread = |t: usize| {
         let mut cur = empty.clone();
@@ -198,18 +203,19 @@ impl Relaxed {
         }
     }
 
-    /// Everything that an operation may read. The order depends on the state alone: an alternative is an index into it.
+    /// Everything that an operation may read. The order depends on the state alone: an alternative is an index into
+    /// it.
     fn choices(&self, invocation: usize, cell: usize, action: Action) -> Vec<Choice> {
         let first = usize::from(self.threads[invocation].cur.from[cell]);
         let last = self.messages[cell].len() - 1;
         let mut choices: Vec<Choice> = match action {
-            // A write has one way to go: to the end. Kang et al. also let it into a gap between older messages.
+            // A write has one way to go: to the end. Kang et al. also allow a place between older messages.
             Action::Write(..) => return vec![Choice { message: last, candidate: 0 }],
             Action::Read(_) => (first..=last).flat_map(|m| self.choices_of(cell, m)).collect(),
-            // It must be next to what it reads, and the next place is at the end.
+            // Its message must come directly after the one it reads, and messages are appended: it reads the last.
             Action::Update(..) => self.choices_of(cell, last).collect(),
         };
-        // A compare-exchange that fails is a load, and may be stale as one.
+        // A compare-exchange that fails is a load: it may read an older message.
         if let Action::Update(Update::CompareExchange { expected, .. }, _) = action {
             let stale = (first..last).flat_map(|m| self.choices_of(cell, m));
             choices.extend(stale.filter(|&c| self.value(cell, c) != expected));
@@ -247,14 +253,14 @@ impl Relaxed {
     /// other words, or of plain accesses. Its own accesses to atomic words do not count, or else an exchange that
     /// releases could never be waited with; an alarm that this adds needs plain and atomic accesses to one word.
     ///
-    /// If it says no more, it need not be appended: a reader of the older message gets the same value and sees as much
-    /// of every word. Only clocks may be behind, by the updater's own atomic accesses since its last release.
+    /// If it says no more, it need not be appended: a reader of the older message gets the same value and sees as
+    /// much of every word. Only the updater's clock may be behind, by atomic accesses of its own.
     fn says_more(&self, invocation: usize, cell: usize, read: usize, releases: bool) -> bool {
         let thread = &self.threads[invocation];
         let own = if releases { &thread.cur } else { &thread.rel };
         let known = &self.messages[cell][read].view;
         let others = (0..self.invocations).filter(|&other| other != invocation);
-        // Its own clock has almost always gone on (3). So ask whether a plain access lies in that time.
+        // Each release raises its own clock (3), so that alone is not more. A plain access of its own since then is.
         let released = known.clock[invocation] + 1..=own.clock[invocation];
         own.from.iter().zip(&known.from).any(|(own, known)| own > known)
             || others.into_iter().any(|other| own.clock[other] > known.clock[other])
@@ -289,6 +295,7 @@ impl Relaxed {
     /// The last access of each invocation and kind is enough: its earlier ones come before it in program order. Of
     /// several races, this keeps the one with the lowest invocation.
     fn access(&mut self, invocation: usize, cell: usize, writes: bool, plain: bool) {
+        // Then `accesses` stays zero, and no clock value matters to a state.
         if !self.profile.has_races() {
             return;
         }
@@ -377,7 +384,7 @@ impl Model for Relaxed {
             matches!(order, Order::Acquire | Order::AcqRel),
             matches!(order, Order::Release | Order::AcqRel),
         );
-        // A release barrier is a release, too: what comes after it is in no view that it made.
+        // Later stores carry what is known now. As after any release, the clock goes on (3).
         if fences.before {
             let thread = &mut self.threads[invocation];
             thread.rel = thread.cur.clone();
@@ -399,7 +406,8 @@ impl Model for Relaxed {
             if let Action::Update(update, _) = action {
                 let new = cut(update.apply(result), self.bits[cell]);
                 let is_last = choice.message + 1 == self.messages[cell].len();
-                // A failed one reads the last message, too: it may not append, whatever its view would say.
+                // A compare-exchange may fail on the last message, too. It is then a load, whatever its view would
+                // say.
                 let fails = matches!(update, Update::CompareExchange { expected, .. } if expected != result);
                 if is_last
                     && !fails
@@ -433,7 +441,8 @@ impl Model for Relaxed {
         Canonical::new(self, live).encode(into);
     }
 
-    /// All invocations have ended: of every word only the last value is left, and everything happened before what comes.
+    /// All invocations have ended: of every word only the last value is left, and everything happened before what
+    /// comes.
     fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>) {
         let empty = View::new(self.messages.len(), self.invocations);
         for messages in &mut self.messages {
@@ -455,15 +464,17 @@ impl Model for Relaxed {
     }
 }
 
-/// A state, as far as live invocations can tell it from others. Each reduction leaves out only what is never asked for:
+/// A state, as far as live invocations can tell it from others. Each reduction leaves out only what is never asked
+/// for:
 ///
-/// - Messages below `base`: every live invocation has its `cur` at or above it, and none begins before the next barrier.
-///   Where a view names one, joining it changes no `cur`; 0 stands for all of these.
+/// - Messages below `base`: every live invocation has its `cur` at or above it, and none begins before the next
+///   barrier. Where a view names one, joining it changes no `cur`; 0 stands for all of these.
 /// - Views of ended invocations. What they have released is in messages.
-/// - Accesses that happened before what every other live invocation does next: clocks only grow, so they race no more.
-/// - Clock values, but for their order among accesses that matter. An entry is only ever compared with the time of an
-///   access: it is replaced by the number of such times up to it. Later accesses come at the own clock or after it, so
-///   the own clock counts as one of these times.
+/// - Accesses that happened before what every other live invocation does next: clocks only grow, so they race no
+///   more.
+/// - Clock values, but for their order among the accesses that matter. An entry says which accesses are ordered, so
+///   it is replaced by the number of their times up to it. Accesses to come are at the own clock or after it, so the
+///   own clock counts as one of these times. Of two entries with equal rank neither says more (`says_more`).
 struct Canonical<'a> {
     state: &'a Relaxed,
     /// Bits of the live invocations.
@@ -517,8 +528,8 @@ impl<'a> Canonical<'a> {
         })
     }
 
-    /// The state's bytes, in words. The profile and the number of cells and invocations fix all lengths but those of the
-    /// lists of messages, which come first in each; so equal slices are equal canonical states.
+    /// The state's bytes, in words. A list of messages has its length before it, and all other lengths are the same
+    /// in every state; so slices are equal exactly if the canonical states are.
     fn encode(&self, into: &mut Vec<u32>) {
         let mut bytes = Vec::with_capacity(256);
         for (cell, messages) in self.state.messages.iter().enumerate() {

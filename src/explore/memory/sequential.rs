@@ -1,10 +1,11 @@
-//! Sequential consistency: words are words.
+//! Sequential consistency: words are plain values.
 
 use super::model::{Initial, Model, Race, cut};
 use crate::memory::Numbering;
 use crate::memory::asked::Action;
 
-/// The words of one state: each cell's value in one or two u32, then a bit per cell that nobody has written or read.
+/// The words of one state: each cell's value in one or two u32, then a bit per cell, set while it has been neither
+/// written nor read.
 pub(super) struct Sequential {
     words: Vec<u32>,
     /// Where a cell's value begins, and its width.

@@ -1,4 +1,4 @@
-//! A case: one litmus pixel of one method, made ready; and where its invocations stand after some answers.
+//! A case: one litmus pixel of one method, ready to explore; and where its invocations are after some answers.
 
 use std::task::{Context, Poll, Waker};
 
@@ -35,7 +35,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// What a pixel must hold, where room and arrival have no say; `None` if the method does not say.
+    /// What a pixel must hold, where room and arrival do not matter; `None` if the method does not specify it.
     pub(in crate::explore) fn expected(&self, pixel: u32) -> Option<Held> {
         let Self { method, contract, instance, inputs, litmus, .. } = self;
         let bound = contract.bound(litmus.k, instance.layout(), inputs, litmus.pixels);
@@ -43,7 +43,7 @@ impl Case {
         promise.pixel(pixel, &litmus.generated(pixel))
     }
 
-    /// Where a fresh invocation stands after these answers. With `lanes`, merges are questions too.
+    /// Where a fresh invocation is after these answers. With `lanes`, merges are questions too.
     pub(in crate::explore) fn follow(
         &self,
         task: Task,
@@ -59,13 +59,13 @@ impl Case {
 /// An answer to an invocation's question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::explore) enum Answer {
-    /// The result of an operation, or leave to pass a merge.
+    /// The result of an operation, or permission to pass a merge.
     Value(u64),
     /// Try again.
     Again,
 }
 
-/// Where an invocation stands after some answers.
+/// Where an invocation is after some answers.
 #[derive(Clone, Debug)]
 pub(in crate::explore) struct Standing {
     pub(in crate::explore) next: Next,
@@ -82,7 +82,7 @@ pub(in crate::explore) struct Standing {
 pub(in crate::explore) enum Next {
     /// An operation or a merge.
     Ask(Request),
-    /// Again what came after so many answers.
+    /// Back to what followed this many answers.
     Back(u32, Site),
     /// Nothing.
     Ended(Ended),

@@ -1,10 +1,48 @@
 //! Decision trees: what each invocation does next, along every sequence of answers met so far.
 //!
-//! An invocation is a deterministic function of its task and of its operations' results. A node of its tree stands for
-//! the operations completed so far with their results; its label is the operation that comes next, or how it ended. A
-//! node is made once, by following a fresh invocation along its own answers, so exploring needs neither to copy nor to
-//! hash a future. Ended invocations are one node per outcome. `spin(mark)` leads back to the mark's node; that claims
-//! that what follows is the same, and [`Forest::check_claims`] compares.
+//! An invocation is a deterministic function of its task and of its operations' results. A node of its tree stands
+//! for the operations completed so far with their results; its label is the operation that comes next, or how it
+//! ended. A node is made once, by following a fresh invocation along its own answers, so exploring needs neither to
+//! copy nor to hash a future. The invocations of one task share a tree, and a state has a [`NodeId`] where it would
+//! have an invocation.
+//!
+//! A tree has fewer nodes than histories, in three ways. Ended invocations are one node per outcome. `spin(mark)`
+//! leads back to the mark's node. `here(live)` leads to the node at which an invocation of this task has stood at
+//! that place before, with the same values and locks. The first is exact; the others are claims of the scheme, that
+//! what follows is the same, and [`Forest::check_claims`] compares.
+//!
+//! State: a forest is no part of a state; states have its node numbers. It only grows, and a number never changes its
+//! meaning. So in the states of one search, equal numbers are one position.
+//!
+//! Invariants:
+//!
+//! 1. A fresh invocation of a node's `task` that gets the answers along the chain of `parent`s stands at the node's
+//!    `step`.
+//! 2. (node, answer) has one child, and always the same. It is a new node, or one that was there: only a new one has
+//!    the edge as its `parent`. So `parent`s make a tree for every task, and chains have no waits in them.
+//! 3. The n-th node of a chain, from 0, stands after n answers. A mark is a number of answers, hence a place in a
+//!    chain.
+//! 4. `held` follows from the operations and answers on the chain.
+//!
+//! Why it is sound: by 1, and since tasks and answers decide everything, invocations of one task that get the same
+//! answers are at the same node and have the same future. Inputs are constants of the case, and an invocation sees
+//! nothing else. A write counts as an operation, with answer 0: what has been read says where an invocation stands
+//! only together with what has been done. So a search over numbers finds what a search over invocations would, if
+//! claims are true. A false claim may hide behaviour; the comparison is made on the answers that the search met, at
+//! the end of an exhaustive one.
+//!
+//! Left out: claims are not compared after a search for progress, nor beyond [`Forest::MOST_COMPARISONS`]; a count of
+//! attempts that shows only after [`Forest::ROUNDS`] of them is not seen; where a node below leads back, or to a node
+//! that was there, it is not compared that the other invocation gets there too. A wait goes back to its mark's
+//! `held`, whatever was locked since. Locks are the first 32 lock words, taken by an update from 0. A loop that
+//! neither waits nor says `here` is unrolled; if it has no end, only the bound of a search ends it.
+//!
+//! Published: an invocation that is run again from its beginning, for want of a copy: Godefroid, "Model checking for
+//! programming languages using `VeriSoft`" (POPL 1997). Nodes with a question and a continuation for each answer are
+//! interaction trees (Xia et al., POPL 2020). A number in the state instead of a process's own state: Holzmann,
+//! "State compression in SPIN" (SPIN 1997). A wait that says that it waits is the yield of Musuvathi and Qadeer,
+//! "Fair stateless model checking" (PLDI 2008); as an edge that leads back, it stays in the graph, so that an endless
+//! wait is a cycle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +54,7 @@ use crate::scheme::task::{Ended, Task};
 /// Index of a node.
 pub(in crate::explore) type NodeId = u32;
 
-/// Nodes, and the answers that lead to each.
+/// Nodes, and the answers that lead to each from a common node above.
 type Paths = Vec<(NodeId, Vec<Answer>)>;
 
 /// What an invocation does next.
@@ -24,7 +62,7 @@ type Paths = Vec<(NodeId, Vec<Answer>)>;
 pub(in crate::explore) enum Step {
     /// An operation on a cell.
     Operation(u32, Action),
-    /// Leave a block.
+    /// Leave a block; or, at a root, wait before the first operation.
     Merge,
     /// It has ended; index of the outcome.
     Ended(u32),
@@ -45,46 +83,60 @@ pub(in crate::explore) enum Fault {
     Shrinks,
 }
 
+/// A place in a tree: the operations of `task` completed so far, with their results.
 #[derive(Debug)]
 pub(in crate::explore) struct Node {
+    /// What comes next.
     pub(in crate::explore) step: Step,
     /// From where in the source the step is taken.
     pub(in crate::explore) site: Option<Site>,
     /// Locks held before the step, one bit each.
     pub(in crate::explore) held: u32,
+    /// What is wrong with the step, if anything is.
     pub(in crate::explore) fault: Option<Fault>,
     /// Index of the open blocks.
     pub(in crate::explore) blocks: u32,
-    /// Whether this node repeats an attempt.
+    /// Whether this node repeats an attempt: a wait leads back to it.
     pub(in crate::explore) waits: bool,
+    /// The nodes after the answers met so far (2).
     children: Vec<(u64, NodeId)>,
+    /// The edge that made this node; `None` at a root.
     parent: Option<(NodeId, u64)>,
+    /// Index of the task.
     task: u32,
 }
 
 /// The trees of one instance's tasks.
 pub(in crate::explore) struct Forest<'a> {
     case: &'a Case,
+    /// Merges are steps.
     lanes: bool,
+    /// The cells that are locks; the bits of `held` are in this order.
     locks: Vec<u32>,
     tasks: Vec<Task>,
+    /// The root of each task's tree.
     roots: Vec<NodeId>,
     nodes: Vec<Node>,
+    /// Every outcome, and the node that ends with it. If a false `here` merges an end with another place, the node
+    /// does not exist.
     ends: Vec<(Ended, NodeId)>,
+    /// The lists of open blocks met so far: a node has an index.
     stacks: Vec<Vec<OpenBlock>>,
     /// Edges that a wait made: (parent, answer).
     claims: Vec<(NodeId, u64)>,
-    /// The node of a task that stands at a place, with locks held, in blocks, and depends on these values only.
+    /// The node of a task that stands at a place, with locks held, in blocks, and depends on these values only. Locks
+    /// are not among what an invocation knows of itself, but faults depend on them.
     heres: BTreeMap<(u32, u32, u32, Here), NodeId>,
     /// Edges to such a node that was there: (parent, answer, node).
     merges: Vec<(NodeId, u64, NodeId)>,
-    /// Operations and blocks that were reached.
+    /// Operations and blocks that were reached, also by helpers, whatever their updates returned.
     sites: BTreeSet<(&'static str, u32, u32)>,
     /// Where invocations wait outside of any block.
     bare_waits: BTreeSet<(&'static str, u32)>,
 }
 
 impl<'a> Forest<'a> {
+    /// No trees yet. With `lanes`, leaving a block is a step.
     pub(in crate::explore) fn new(case: &'a Case, lanes: bool) -> Self {
         let words = case.instance.layout().locks();
         let lock = |pixel, word| Address { pixel: Some(pixel), word, bits: 32 };
@@ -106,7 +158,8 @@ impl<'a> Forest<'a> {
         }
     }
 
-    /// The node at which an invocation of this task begins.
+    /// The node at which an invocation of this task begins. Equal tasks have one root, so that a search may put their
+    /// invocations in order.
     pub(in crate::explore) fn root(&mut self, task: Task) -> NodeId {
         if let Some(known) = self.tasks.iter().position(|&t| t == task) {
             return self.roots[known];
@@ -117,19 +170,23 @@ impl<'a> Forest<'a> {
         root
     }
 
+    /// A node by its number.
     #[inline]
     pub(in crate::explore) fn node(&self, node: NodeId) -> &Node {
         &self.nodes[node as usize]
     }
 
+    /// The task that a node is of.
     pub(in crate::explore) fn task(&self, node: NodeId) -> Task {
         self.tasks[self.node(node).task as usize]
     }
 
+    /// An outcome by its index in [`Step::Ended`].
     pub(in crate::explore) fn ended(&self, end: u32) -> &Ended {
         &self.ends[end as usize].0
     }
 
+    /// The open blocks of a node, outermost first.
     pub(in crate::explore) fn stack(&self, node: NodeId) -> &[OpenBlock] {
         &self.stacks[self.node(node).blocks as usize]
     }
@@ -144,7 +201,7 @@ impl<'a> Forest<'a> {
         &self.bare_waits
     }
 
-    /// The node after a node's step gave `answer`.
+    /// The node after a node's step gave `answer`: looked up, or made by running an invocation (2).
     #[inline]
     pub(in crate::explore) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
         let children = &self.nodes[node as usize].children;
@@ -159,7 +216,7 @@ impl<'a> Forest<'a> {
         }
     }
 
-    /// The answers that lead to a node.
+    /// The answers that lead to a node with this parent: those of its chain (1).
     fn answers(&self, parent: Option<(NodeId, u64)>) -> Vec<Answer> {
         let mut answers = Vec::new();
         let mut at = parent;
@@ -171,6 +228,8 @@ impl<'a> Forest<'a> {
         answers
     }
 
+    /// The node below an edge: run a fresh invocation up to what it asks next, and make a node of that, or find the
+    /// one that it is.
     fn grow(&mut self, parent: Option<(NodeId, u64)>, task: u32) -> NodeId {
         let answers = self.answers(parent);
         let standing = self.case.follow(self.tasks[task as usize], &answers, self.lanes);
@@ -178,6 +237,7 @@ impl<'a> Forest<'a> {
             self.reached(site);
         }
         let (step, site) = match standing.next {
+            // Nothing was asked, so there is nothing to go back to.
             Next::Back(_, site) if parent.is_none() => (Step::Merge, Some(site)),
             Next::Back(depth, site) => {
                 self.reached(site);
@@ -202,9 +262,10 @@ impl<'a> Forest<'a> {
         let blocks = self.intern(standing.blocks);
         let id = self.nodes.len() as NodeId;
         if let Some(here) = standing.here {
-            // Without lanes, nobody asks how often a block was opened.
+            // Open blocks decide where lanes come together, and nothing else.
             let place = (task, held, if self.lanes { blocks } else { 0 }, here);
             if let Some(&known) = self.heres.get(&place) {
+                // Recorded, to compare this edge's invocation with the known one's.
                 self.merges.extend(parent.map(|(from, answer)| (from, answer, known)));
                 return known;
             }
@@ -215,11 +276,12 @@ impl<'a> Forest<'a> {
         id
     }
 
+    /// Record a place of the source.
     fn reached(&mut self, site: Site) {
         self.sites.insert((site.file(), site.line(), site.column()));
     }
 
-    /// The node that a wait goes back to.
+    /// The node that a wait goes back to: the one on its own chain after `depth` answers (3).
     fn back(&mut self, parent: Option<(NodeId, u64)>, depth: u32) -> NodeId {
         let Some((from, answer)) = parent else { return 0 };
         self.claims.push((from, answer));
@@ -233,7 +295,8 @@ impl<'a> Forest<'a> {
         target
     }
 
-    /// The one node of an outcome, or the index for a new one.
+    /// The one node of an outcome, or the index for a new one. Locks still held are a fault of their own, so they are
+    /// part of what is the same.
     fn end(
         &mut self,
         parent: Option<(NodeId, u64)>,
@@ -252,6 +315,8 @@ impl<'a> Forest<'a> {
         Err(self.ends.len() as u32 - 1)
     }
 
+    /// The locks held after a node's step gave `answer` (4). A lock is free at 0; an update takes it if it finds 0
+    /// and leaves another value, and frees it the other way round.
     fn held_after(&self, node: NodeId, answer: u64) -> u32 {
         let node = self.node(node);
         let Step::Operation(cell, action) = node.step else { return node.held };
@@ -259,6 +324,7 @@ impl<'a> Forest<'a> {
         let bit = 1 << lock;
         match action {
             Action::Read(_) => node.held,
+            // These free a lock whatever value they find.
             Action::Write(0, _) | Action::Update(Update::Exchange(0) | Update::And(0), _) => {
                 node.held & !bit
             }
@@ -271,6 +337,8 @@ impl<'a> Forest<'a> {
         }
     }
 
+    /// What is wrong with a step, whatever memory holds. A store task must hold the lock that it writes 0 to, by a
+    /// store, an exchange or an and; other updates that free a lock are not looked at.
     fn fault(&self, task: Task, step: Step, held: u32) -> Option<Fault> {
         let (cell, action) = match step {
             Step::Operation(cell, action) => (cell, action),
@@ -281,7 +349,7 @@ impl<'a> Forest<'a> {
         if cell == Numbering::OUTSIDE {
             return Some(Fault::Outside);
         }
-        // The clear pass frees locks, too: there nobody holds one.
+        // The clear pass frees locks, too: no invocation holds one then.
         if !matches!(task, Task::Store(_)) {
             return None;
         }
@@ -293,6 +361,7 @@ impl<'a> Forest<'a> {
         (frees && held & (1 << lock) == 0).then_some(Fault::ForeignLock)
     }
 
+    /// The index of a list of open blocks; equal lists have one.
     fn intern(&mut self, stack: Vec<OpenBlock>) -> u32 {
         match self.stacks.iter().position(|known| *known == stack) {
             Some(known) => known as u32,
@@ -310,8 +379,12 @@ impl<'a> Forest<'a> {
     const ROUNDS: usize = 16;
 
     /// Follow every edge that a wait closed, or that was led to a node that was there, on the unmerged invocation,
-    /// through all that was explored below its target, and round and round the wait itself: what comes next must be the
-    /// same. The number of comparisons, and the first that failed.
+    /// through all that was explored below its target, and round and round the wait itself: what comes next must be
+    /// the same. The number of comparisons, and the first that failed.
+    ///
+    /// "Below" are the nodes whose chain has the target in it, and ends. Further edges to a node that was there are
+    /// claims of their own, and are compared from their own node, not from here. If there are too many comparisons,
+    /// the rest is left out, and that is not told.
     pub(in crate::explore) fn check_claims(&self) -> std::result::Result<usize, String> {
         let mut compared = 0;
         let mut below: BTreeMap<NodeId, Paths> = BTreeMap::new();
@@ -320,6 +393,8 @@ impl<'a> Forest<'a> {
                 continue;
             };
             let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
+            // The invocation that really waited, and tries again. Nodes never have this answer: they stand for the
+            // first try.
             let mut twin = self.answers(Some((from, answer)));
             twin.push(Answer::Again);
             if !self.compare(from, &twin, paths, &mut compared)? {
@@ -327,6 +402,7 @@ impl<'a> Forest<'a> {
             }
             compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
         }
+        // Invocations that came another way to what `here` says is one place.
         for &(from, answer, target) in &self.merges {
             let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
             let twin = self.answers(Some((from, answer)));
@@ -337,7 +413,8 @@ impl<'a> Forest<'a> {
         Ok(compared)
     }
 
-    /// Lead a twin along paths: it must do what is at their nodes, and end as they do. Whether there was room for all.
+    /// Lead a twin along paths: it must do what is at their nodes, and end as they do. Whether there was room for
+    /// all.
     fn compare(
         &self,
         from: NodeId,
@@ -357,6 +434,7 @@ impl<'a> Forest<'a> {
             if !self.agrees(*node, &follow(path)) {
                 return Err(self.lie(from));
             }
+            // Ended nodes are shared, and on no path: compare how the invocation ends.
             for &(answer, child) in &self.node(*node).children {
                 let Step::Ended(end) = self.node(child).step else { continue };
                 *compared += 1;
@@ -369,10 +447,12 @@ impl<'a> Forest<'a> {
         Ok(true)
     }
 
-    /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were.
+    /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were. Every round
+    /// gets the answers of the first, so it must be the first, step by step, and wait again at its end.
     fn go_round(&self, from: NodeId, answer: u64, target: NodeId) -> Option<usize> {
         let task = self.task(from);
         let mut answers = self.answers(Some((from, answer)));
+        // The answers of one round: those of the chain from the target on.
         let round = answers.split_off(self.answers(self.node(target).parent).len());
         let mut nodes = vec![from];
         while let Some(&last) = nodes.last()
@@ -399,6 +479,7 @@ impl<'a> Forest<'a> {
         Some(Self::ROUNDS * (round.len() + 1))
     }
 
+    /// A false claim in words.
     fn lie(&self, from: NodeId) -> String {
         let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
         format!(
@@ -426,6 +507,8 @@ impl<'a> Forest<'a> {
         found
     }
 
+    /// Whether an invocation is about to do what is at a node. The same operation may stand at another place of the
+    /// source; a merge may not.
     fn agrees(&self, node: NodeId, next: &Next) -> bool {
         match (self.node(node).step, next) {
             (

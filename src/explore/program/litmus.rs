@@ -1,9 +1,9 @@
 //! Litmus pixels: small programs made from a method's contract.
 //!
-//! An instance is one to three pixels, n fragments, k, and the room that the method is told of. Fragments matter to a
-//! scheme only through the order of their (depth, data), so inputs are enumerated up to order: sorted neighbours differ
-//! in depth, only in data, or not at all, which makes 3^(n-1) patterns. The first depth is 0 and the last of several
-//! the far plane's, so that the ends of the range are always among them.
+//! An instance is one to three pixels, n fragments, k, and the room that the method is configured with. Fragments
+//! matter to a scheme only through the order of their (depth, data), so inputs are enumerated up to order: sorted
+//! neighbours differ in depth, only in data, or not at all, which gives 3^(n-1) patterns. The first depth is 0 and,
+//! with several, the last is the far plane's, so the ends of the range are always included.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,16 +25,16 @@ pub struct Litmus {
     pub pixels: u32,
     /// `-k`, for a method that takes one.
     pub k: Option<u32>,
-    /// What the method is told of the scene: fragments in all, and at a pixel.
+    /// The scene as the method is configured for it: fragments in total, and at a pixel.
     pub room: u32,
     /// (pixel, depth, data) of every fragment, in submission order.
     pub fragments: Vec<(u32, u32, u32)>,
-    /// How many of the first fragments have a helper invocation beside them.
+    /// How many of the first fragments have a helper invocation next to them.
     pub helpers: u32,
     /// The hash table, for a method that has one.
     pub table: Option<TableSettings>,
     /// The words of the method's inputs, in the order of their declaration, each by pixel, data word or place in the
-    /// frame. Words that are not here have the input's default.
+    /// frame. Missing words have the input's default.
     #[serde(skip)]
     pub inputs: Vec<Vec<u32>>,
 }
@@ -70,7 +70,7 @@ enum Relation {
 }
 
 impl Litmus {
-    /// One fragment on one pixel: enough to ask a method for its words.
+    /// One fragment on one pixel: enough to get a method's words.
     #[must_use]
     pub fn of_one(contract: &Contract) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Litmus {
         }
     }
 
-    /// What the method is configured with.
+    /// The method's configuration.
     #[must_use]
     pub fn config(&self, contract: &Contract) -> Config {
         let bound = |pixel| {
@@ -146,7 +146,7 @@ impl Litmus {
         course.stages().iter().map(|parts| self.stage(contract, parts, &invocations)).collect()
     }
 
-    /// Passes first, then the helpers beside their fragments, then what clears and resolves meanwhile.
+    /// Passes first, then the helpers next to their fragments, then clears and resolves that run at the same time.
     fn stage(
         &self,
         contract: &Contract,
@@ -195,15 +195,15 @@ impl Litmus {
         Stage { name: name.unwrap_or(alone), tasks, helpers }
     }
 
-    /// Values for words that nobody wrote: the ends of the range, and what could be mistaken for a fragment. A method
-    /// that never reads such a word is explored only once, so these stand for arbitrary memory; one that does is
-    /// explored with each of them, at each such word.
+    /// Values for words that were never written: the ends of the range, and a value that could be mistaken for a
+    /// fragment. A method that never reads such a word is explored only once, so these stand for arbitrary memory; one
+    /// that does is explored with each of them, at each such word.
     pub(in crate::explore) fn candidates(&self) -> [u64; 3] {
         let middle = self.fragments().nth(self.fragments.len() / 2).map_or(1, Fragment::key);
         [0, middle, u64::MAX]
     }
 
-    /// One line: n, k, room where it is short, and the fragments.
+    /// One line: n, k, room if it is short, and the fragments.
     #[must_use]
     pub fn describe(&self) -> String {
         use std::fmt::Write;
@@ -246,7 +246,7 @@ pub struct Family {
     pub fragments: u32,
     /// The k to try, for methods that take one.
     pub ks: Vec<u32>,
-    /// Helper invocations beside the first fragments.
+    /// Helper invocations next to the first fragments.
     pub helpers: u32,
 }
 
@@ -268,8 +268,8 @@ pub fn of_size(subject: &Subject, family: &Family, n: u32) -> Vec<Litmus> {
     all.into_iter().flat_map(|litmus| with_inputs(litmus, &declared)).collect()
 }
 
-/// An instance with every choice of the values that its inputs are tried with, for up to three words of an input that
-/// matter; with more, of one value for all of them, and the values in turn.
+/// An instance with every choice of the values to try for its inputs, for up to three words of an input that matter;
+/// with more words, one value for all of them, and the values in turn.
 fn with_inputs(litmus: Litmus, declared: &[Declared]) -> Vec<Litmus> {
     let mut all = vec![litmus];
     for input in declared {
@@ -287,7 +287,7 @@ fn with_inputs(litmus: Litmus, declared: &[Declared]) -> Vec<Litmus> {
     all
 }
 
-/// The words of one input that are tried on an instance.
+/// The words of one input to try on an instance.
 fn choices(litmus: &Litmus, input: &Declared) -> Vec<Vec<u32>> {
     const MOST: usize = 3;
     let tried = if input.tried.is_empty() { &[input.default][..] } else { input.tried };
@@ -321,7 +321,7 @@ fn choices(litmus: &Litmus, input: &Declared) -> Vec<Vec<u32>> {
     values.iter().map(|values| spread(values)).collect()
 }
 
-/// The instances with exactly `n` fragments, whatever inputs hold.
+/// The instances with exactly `n` fragments, for any inputs.
 fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let ks: Vec<Option<u32>> = if contract.default_k.is_some() {
         family.ks.iter().copied().filter(|&k| k <= contract.max_k).map(Some).collect()
@@ -352,8 +352,8 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     all
 }
 
-/// Those of a method with a hash table: also with tables of one to eight cells, and fragments spread over up to three
-/// pixels in every way (of two).
+/// The instances of a method with a hash table: also with tables of one to eight cells, and with fragments spread over
+/// up to three pixels (over two, in every way).
 fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let helpers = family.helpers.min(n);
     let mut all = Vec::new();
@@ -376,7 +376,7 @@ fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     all
 }
 
-/// The fragments divided between two pixels in every way, both of which have some.
+/// The fragments divided between two pixels in every way that leaves some at both.
 fn divided(list: &[(u32, u32, u32)]) -> Vec<Vec<(u32, u32, u32)>> {
     let ways = 1..(1u32 << list.len()) - 1;
     let way = |bits: u32| {
@@ -386,7 +386,7 @@ fn divided(list: &[(u32, u32, u32)]) -> Vec<Vec<(u32, u32, u32)>> {
     ways.map(way).collect()
 }
 
-/// For a method that goes by opacity: every choice of opaque fragments, and of those that let nearly all light pass.
+/// For a method that depends on opacity: every choice of opaque fragments, and of those that let nearly all light pass.
 fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
     if contract.keeps != Keeps::Visible {
         return vec![list];
@@ -406,8 +406,9 @@ fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32
     all
 }
 
-/// Tables to try. With one or two fragments: of one to four cells, with all sequences of three offsets, and some of eight
-/// cells with seven ages; with three, every fifth of those; with more, one of one, two, four and eight cells each.
+/// Tables to try. With one or two fragments: of one to four cells, with all sequences of three offsets, and some of
+/// eight cells with seven ages; with three, every fifth of those; with more, one of one, two, four and eight cells
+/// each.
 fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
     let table = |size, ages, seed| TableSettings {
         size,
@@ -424,7 +425,7 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
     };
     let mut all = Vec::new();
     if n > 3 || contract.keeps == Keeps::Visible {
-        // The walks of early culling are about one pixel: no table needs to fold.
+        // The walks of early culling concern one pixel: no table needs to wrap.
         all.push(straight(8, n + 2));
     }
     if contract.keeps == Keeps::Visible {
@@ -443,8 +444,8 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
     all
 }
 
-/// The orders of arrival to try. It matters only where the interlock makes it the order of execution: then all, of up
-/// to four fragments, and else forth and back.
+/// The orders of arrival to try. It matters only where the interlock makes it the order of execution. Then all orders
+/// of up to four fragments; of more, forwards and backwards.
 fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
     if !contract.is_interlocked() {
         return vec![sorted];
@@ -470,7 +471,7 @@ fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, 
     all
 }
 
-/// The relations of n sorted fragments, all of them up to [`ALL_PATTERNS`] fragments of one pixel.
+/// The relations of n sorted fragments, all of them for up to [`ALL_PATTERNS`] fragments of one pixel.
 fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
     if n > ALL_PATTERNS || pixels > 1 {
         return vec![vec![Relation::Farther; n as usize - 1]];
@@ -492,7 +493,7 @@ fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
 fn fragments(relations: &[Relation], pixels: u32, contract: &Contract) -> Vec<(u32, u32, u32)> {
     let format = contract.depth_format.unwrap_or(Format::D32);
     let levels = 1 + relations.iter().filter(|&&r| r == Relation::Farther).count() as u32;
-    // Data words fall with depth, so that nothing sorted by one is sorted by the other.
+    // Data words decrease as depth grows, so that nothing sorted by one is sorted by the other.
     let first_data = |level: u32| (levels - level) * 0x10;
     let (mut level, mut data) = (0, first_data(0));
     let mut all = Vec::new();

@@ -1,11 +1,47 @@
 //! An instance made ready to run: its invocations' trees, its memory after the clear pass, and what one move does.
 //!
-//! A state is encoded as: a node per invocation; for progress, a word with a bit for each that has moved; for a program
-//! of several stages, a word that says which one, in which round, after which results; the model's memory.
-//!
-//! The stages that are explored are those of the method's course with more in them than clear or resolve alone, which run
-//! one after another. Stages have equally many invocations: the missing ones have nothing to do. When all of a stage have
+//! The stages that are explored are those of the method's course with more in them than clear or resolve alone, which
+//! run one after another. Stages have equally many invocations: the missing ones have nothing to do. A move is one
+//! operation of one invocation (or leaving a block), with the local computation after it. When all of a stage have
 //! ended, the next one begins in the same move.
+//!
+//! State: a slice of u32, the head and then the memory.
+//!
+//! ```text
+//! nodes    `width` words: the node of every invocation in the forest
+//! moved    for progress only: a bit for every invocation that has moved in this stage
+//! stage    for a program of several stages or rounds: which stage, which round, which results of earlier rounds
+//! memory   what the model stores
+//! ```
+//!
+//! The head of one machine's states has one length. Nodes and results are numbered for good, and equal ones have one
+//! number. So slices are equal exactly if positions, progress, results and memory are.
+//!
+//! Invariants:
+//!
+//! 1. After `load`, what a move does depends on the slice and the move alone. Forest and results are tables that
+//!    grow, and say nothing of the present state.
+//! 2. A state that was settled has a live invocation, or nothing comes after it.
+//! 3. An invocation that has ended does not move until the next stage. So memory may forget its views.
+//! 4. What a helper does leaves words, locks, races and outcomes as they are, except that its read decides the value
+//!    of an unwritten word.
+//!
+//! Why it is sound: by 1 a search may keep one of equal states. Other invocations see nothing of local computation,
+//! so that no result is lost if it comes with the operation before it. A barrier comes after all of one stage and
+//! before all of the next, so that it needs no move of its own.
+//!
+//! Left out: interleavings within clear alone and within resolve alone; there an unwritten word reads as 0 (clear) or
+//! all ones (resolve). A barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
+//! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
+//! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end. A
+//! task that runs alone is cut off after [`Overlay::MOST_STEPS`], and that is not told. Here the method's invariant
+//! is looked at between rounds, and not at barriers within a round. If lanes leave a block together, only the one
+//! that moves is asked for faults.
+//!
+//! Published: a state as a vector with an index for every process's own state: Holzmann, "State compression in SPIN"
+//! (SPIN 1997). Local computation joined to an operation: Lipton, "Reduction" (CACM 1975). Helpers are those of the
+//! OpenGL Shading Language (`gl_HelperInvocation`): no effect, undefined results. Lanes come together as at SPIR-V's
+//! merge instructions; the rule for nested blocks is this file's own (`may_merge`).
 
 use std::collections::BTreeMap;
 
@@ -21,7 +57,7 @@ use crate::scheme::course::{self, Course, Part};
 use crate::scheme::task::{Ended, Task};
 use crate::scheme::{Contract, Held, Moment, Outcome};
 
-/// The most invocations that a machine runs at once.
+/// The most invocations that a machine runs at once: sets of them are bits of a u32.
 pub(in crate::explore) const MOST_INVOCATIONS: usize = 32;
 
 /// How invocations are run.
@@ -36,7 +72,7 @@ pub struct Conditions {
 /// What a helper invocation's update may return instead of a value: 0, 1, all ones, or the word.
 const HELPER_RESULTS: usize = 4;
 
-/// Rounds after which a program that repeats is given up.
+/// Rounds after which a program that repeats is given up. A round has 6 bits in [`At::pack`].
 const MOST_ROUNDS: u32 = 60;
 
 /// An instance, ready to run.
@@ -45,7 +81,7 @@ pub(in crate::explore) struct Machine<'a> {
     pub(in crate::explore) litmus: &'a Litmus,
     pub(in crate::explore) contract: &'a Contract,
     pub(in crate::explore) forest: Forest<'a>,
-    /// Those that are explored.
+    /// The stages that are explored.
     pub(in crate::explore) stages: Vec<Stage>,
     /// Invocations of every stage.
     pub(in crate::explore) width: usize,
@@ -53,22 +89,25 @@ pub(in crate::explore) struct Machine<'a> {
     /// Stages of the course before the first that is explored: what clears alone.
     before: usize,
     conditions: Conditions,
+    /// The memory of the loaded state.
     model: Box<dyn Model>,
+    /// What resolves alone, after the last stage that is explored; empty if resolve overlaps with it.
     after: Vec<Task>,
-    /// Words before the model's: the nodes, the word of who has moved, and that of the stage.
+    /// Words before the model's: the nodes, the word of the invocations that have moved, and that of the stage.
     head: usize,
     /// Where the word of the stage is.
     stage_word: Option<usize>,
-    /// Of the loaded state.
+    /// How far the loaded state has come.
     at: At,
-    /// The results of earlier rounds: what every pixel holds.
+    /// The results of earlier rounds met so far: what every pixel holds. A state has an index.
     results: Vec<Vec<Held>>,
     /// Words that only grow while fragments are stored; empty where there are none.
     growing: Vec<bool>,
     /// By stage: it stores fragments, and does nothing else.
     storing: Vec<bool>,
-    /// A bound of rounds was hit.
+    /// A bound of rounds was hit, in any state.
     full: bool,
+    /// The first state.
     initial: Vec<u32>,
 }
 
@@ -82,6 +121,7 @@ struct At {
 }
 
 impl At {
+    /// As one word: 4 bits of stage, 6 of round, the rest for results. It is not checked that stages fit: 16 do.
     fn pack(self) -> u32 {
         self.stage | self.round << 4 | self.results << 10
     }
@@ -98,7 +138,9 @@ pub(in crate::explore) struct Moved {
     pub(in crate::explore) node: NodeId,
     /// The value read, or 0.
     pub(in crate::explore) result: u64,
+    /// What was wrong with the step, or with the end that it led to.
     pub(in crate::explore) fault: Option<Fault>,
+    /// An earlier access that the operation races with.
     pub(in crate::explore) race: Option<Race>,
 }
 
@@ -107,15 +149,17 @@ pub(in crate::explore) struct Moved {
 pub struct Final {
     /// What every pixel holds, in canonical order.
     pub pixels: Vec<Held>,
-    /// What became of each fragment, as far as its invocation knows.
+    /// What became of each fragment, as far as its invocation knows; in the last round, where there are several.
     pub outcomes: Vec<Outcome>,
 }
 
 impl<'a> Machine<'a> {
+    /// A machine in its first state. With `progress`, states say which invocations have moved.
     pub(in crate::explore) fn new(case: &'a Case, conditions: Conditions, progress: bool) -> Self {
         let Case { contract, instance, numbering, litmus, .. } = case;
         let course = Course::of(&contract.program);
         let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
+        // Clear and resolve leave the exploration only if nothing overlaps with them.
         let alone = |parts: Option<&Vec<Part>>, part| parts.is_some_and(|parts| *parts == [part]);
         let mut after = Vec::new();
         if alone(course.stages().last(), Part::Resolve) {
@@ -158,6 +202,7 @@ impl<'a> Machine<'a> {
             full: false,
             initial: Vec::new(),
         };
+        // A first stage without anything to do is passed over.
         let mut initial = Vec::new();
         machine.begin(At::default(), &mut initial);
         machine.advance(&mut initial);
@@ -165,7 +210,7 @@ impl<'a> Machine<'a> {
         machine
     }
 
-    /// Encode the beginning of a stage, on the present memory.
+    /// Encode the beginning of a stage, on the present memory. No invocation of it has moved.
     fn begin(&mut self, at: At, state: &mut Vec<u32>) {
         self.at = at;
         let tasks = self.stages[at.stage as usize].tasks.clone();
@@ -179,25 +224,27 @@ impl<'a> Machine<'a> {
         self.model.store(live, state);
     }
 
-    /// Encode the loaded memory behind a head, and begin the next stage if everybody has ended. What is wrong at a
-    /// barrier within the program, if anything is.
+    /// Encode the loaded memory behind a head, and begin the next stage if all have ended (2). What is wrong at a
+    /// barrier between rounds, if anything is.
     pub(in crate::explore) fn settle(&mut self, state: &mut Vec<u32>) -> Option<String> {
         let live = self.live(&state[..self.width]);
         self.model.store(live, state);
         if live == 0 { self.advance(state) } else { None }
     }
 
-    /// Begin the next stage, or the next round, as long as nobody is left in the present one.
+    /// Begin the next stage, or the next round, as long as none is left in the present one.
     fn advance(&mut self, state: &mut Vec<u32>) -> Option<String> {
         let mut wrong = None;
         while self.live(&state[..self.width]) == 0 {
             let at = self.at;
+            // The course counts the stages that are not explored, too.
             let here = course::At { stage: at.stage as usize + self.before, round: at.round };
             if let Some(next) = self.explored(self.course.after(here, false)) {
                 self.model.barrier(&BTreeMap::new());
                 self.begin(At { stage: next.stage, ..at }, state);
                 continue;
             }
+            // The end of a round. Resolve says whether there is another; if it is alone, it runs now.
             if !self.contract.program.repeats {
                 break;
             }
@@ -205,10 +252,12 @@ impl<'a> Machine<'a> {
             let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
             let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
             if at.round == MOST_ROUNDS {
+                // The state is left as if it were final, and judged so; a violation found there may be none.
                 self.full = true;
                 break;
             }
             wrong = wrong.or(self.invariant(Moment::Quiet).err());
+            // In one order, so that equal results have one index.
             end.pixels.iter_mut().for_each(Held::sort);
             let known = self.results.iter().position(|r| *r == end.pixels);
             let results = known.unwrap_or_else(|| {
@@ -249,6 +298,7 @@ impl<'a> Machine<'a> {
         self.stage().is_helper(invocation)
     }
 
+    /// The first state.
     pub(in crate::explore) fn initial(&self) -> &[u32] {
         &self.initial
     }
@@ -263,10 +313,12 @@ impl<'a> Machine<'a> {
         self.full || self.model.full()
     }
 
+    /// Words of a state before the model's.
     pub(in crate::explore) fn head(&self) -> usize {
         self.head
     }
 
+    /// The numbers of the words.
     pub(in crate::explore) fn numbering(&self) -> &Numbering {
         &self.case.numbering
     }
@@ -278,6 +330,7 @@ impl<'a> Machine<'a> {
         live.fold(0, |bits, (i, _)| bits | 1 << i)
     }
 
+    /// Take up a state: everything that a move depends on (1), but for the nodes, which the caller has.
     pub(in crate::explore) fn load(&mut self, state: &[u32]) {
         self.at = self.stage_word.map_or(At::default(), |word| At::unpack(state[word]));
         self.model.load(&state[self.head..]);
@@ -291,6 +344,7 @@ impl<'a> Machine<'a> {
     ) -> usize {
         match self.forest.node(nodes[invocation]).step {
             Step::Ended(_) => 0,
+            // The one step that can be disabled: a lane waits for others.
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
             Step::Operation(_, Action::Update(..)) if self.is_helper(invocation) => HELPER_RESULTS,
             Step::Operation(_, Action::Write(..)) if self.is_helper(invocation) => 1,
@@ -304,7 +358,8 @@ impl<'a> Machine<'a> {
         if helps { 0 } else { self.forest.node(nodes[invocation]).held }
     }
 
-    /// Move an invocation; the model's state changes with it.
+    /// Move an invocation that stands at `node`; the model's state changes with it. Its place in the nodes is for
+    /// [`Self::place`] to change.
     pub(in crate::explore) fn perform(&mut self, node: NodeId, by: Move) -> Moved {
         let (fault, step) = (self.forest.node(node).fault, self.forest.node(node).step);
         let invocation = usize::from(by.invocation);
@@ -316,14 +371,17 @@ impl<'a> Machine<'a> {
                 let grows = self.growing.get(cell as usize).is_some_and(|&grows| grows)
                     && self.storing[self.at.stage as usize]
                     && !matches!(action, Action::Read(_));
+                // Under relaxed memory, the values of a word's last messages are compared.
                 let before = if grows { self.model.settled(cell) } else { None };
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
                 shrunk = grows && self.model.settled(cell) < before;
-                // What a helper reads has no effect, so that it is no race either.
+                // What a helper reads has no effect, so that it is no race either. The model reports one race at a
+                // time: a further one, with a higher invocation, is lost with it.
                 race = self.model.race().filter(|race| !self.is_helper(race.other));
             }
         }
         let node = self.forest.child(node, result);
+        // An end has no move of its own, so its fault belongs to the move that leads there.
         let fault = fault.or_else(|| match self.forest.node(node).step {
             Step::Ended(_) => self.forest.node(node).fault,
             _ => None,
@@ -334,7 +392,8 @@ impl<'a> Machine<'a> {
         Moved { node, result, fault, race }
     }
 
-    /// Put an invocation where it stands after a move. Lanes that stand at the same merge leave it together.
+    /// Put an invocation where it stands after a move. Lanes that stand at the same merge leave it together: where
+    /// leaving is allowed, all of them may.
     pub(in crate::explore) fn place(&mut self, nodes: &mut [NodeId], by: Move, node: NodeId) {
         let invocation = usize::from(by.invocation);
         let before = std::mem::replace(&mut nodes[invocation], node);
@@ -362,8 +421,10 @@ impl<'a> Machine<'a> {
             (Action::Write(..), _) | (Action::Update(..), 0) => 0,
             (Action::Update(..), 1) => 1,
             (Action::Update(..), 2) => model::cut(u64::MAX, width),
+            // The word's value, as if the update had worked.
             (Action::Update(..), _) => self.model.settled(cell).unwrap_or(0),
             (Action::Read(_), _) => {
+                // As weak as can be: it and later reads find at least all that its own order allows.
                 let read = Action::Read(Access::Atomic(Order::Relaxed));
                 self.model.perform(invocation, cell, read, usize::from(alternative))
             }
@@ -372,9 +433,10 @@ impl<'a> Machine<'a> {
 
     /// A lane may leave a block when every unfinished lane of its warp that is in the body of the same parent stands
     /// at the same merge; lanes at the parent's own merge do not count, nor do those in a later block of that parent,
-    /// which have left this one, and together with this lane.
+    /// which have left this one, and together with this lane. A warp is so many invocations with consecutive numbers.
     fn may_merge(&self, nodes: &[NodeId], invocation: usize) -> bool {
         let Some(warp) = self.conditions.warp else { return true };
+        // A lane at a merge is still in its block. A wait before the first operation may be in none: that fails here.
         let own = self.forest.stack(nodes[invocation]);
         let (block, parent) = (own.len() - 1, &own[..own.len() - 1]);
         let later = |stack: &[OpenBlock]| {
@@ -393,7 +455,8 @@ impl<'a> Machine<'a> {
         })
     }
 
-    /// What the method says of itself in the loaded state.
+    /// What the method says of itself in the loaded state. A word's value is the one that is left when all have
+    /// ended, which another invocation need not see yet under relaxed memory.
     pub(in crate::explore) fn invariant(&self, moment: Moment) -> Result<(), String> {
         let value = |address: Address| self.model.settled(self.numbering().number(address));
         let words = Snapshot { value: &value };
@@ -426,6 +489,7 @@ impl<'a> Machine<'a> {
                 found(self.forest.ended(end));
             }
         }
+        // Behind a barrier: everything that was written is seen, and the model stays as it is.
         let mut memory = Overlay { written: BTreeMap::new() };
         for task in self.after.clone() {
             let node = {
@@ -454,13 +518,15 @@ fn growing(layout: &Layout, numbering: &Numbering) -> Vec<bool> {
     (0..numbering.count() as u32).map(grows).collect()
 }
 
-/// Words written by invocations that run one after another.
+/// Words written by invocations that run one after another, on top of a memory that stays as it is.
 struct Overlay {
+    /// By number, the last value.
     written: BTreeMap<u32, u64>,
 }
 
 impl Overlay {
-    /// The most operations of one such invocation: a list that is a ring must not hold us up.
+    /// The most operations of one such invocation: a list that is a ring must not hold us up. One that is cut off has
+    /// no outcome: a pixel then holds nothing.
     const MOST_STEPS: usize = 4_096;
 
     /// Run a task to its end on words that `below` has where none was written; the node it reached.
@@ -500,7 +566,7 @@ impl Overlay {
     }
 }
 
-/// The words after the clear pass.
+/// The words after the clear pass. It is one run, pixel after pixel, on words that are 0.
 fn clear(forest: &mut Forest<'_>, tasks: &[Task], numbering: &Numbering) -> Vec<Initial> {
     let mut memory = Overlay { written: BTreeMap::new() };
     for &task in tasks {

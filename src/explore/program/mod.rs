@@ -1,8 +1,8 @@
 //! What is explored: a method's invocations on a few fragments, as a machine that moves from state to state.
 //!
-//! A [`litmus`] pixel says which invocations there are; a [`case`] is one of them with a method's words. Its invocations
-//! are replayed from their answers, and where they can stand is kept once in a [`forest`]. The [`machine`] puts forest
-//! and memory together: a state, the moves from it, and what a move leads to. A [`schedule`] is a list of moves.
+//! A [`litmus`] pixel defines the invocations; a [`case`] is a litmus pixel with a method's words. Its invocations are
+//! replayed from their answers, and each place where one can be is kept once in a [`forest`]. The [`machine`] combines
+//! forest and memory: a state, the moves from it, and where each move leads. A [`schedule`] is a list of moves.
 
 pub(super) mod case;
 pub(super) mod forest;

@@ -1,4 +1,4 @@
-//! Schedules of litmus pixels: who moves, and which of the possible values the move reads.
+//! Schedules of litmus pixels: which invocation moves, and which of the possible values the move reads.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 pub struct Move {
     /// The invocation, in the order of the litmus pixel's tasks.
     pub invocation: u8,
-    /// Which of the values that it may read; 0 under sequential consistency, unless nobody has written the word.
+    /// Which of the values that it may read; 0 under sequential consistency, unless the word was never written.
     pub alternative: u16,
 }
 
 /// The moves of a run, from its beginning.
 pub type Schedule = Vec<Move>;
 
-/// How often a schedule goes from one invocation to another that could have waited.
+/// How often a schedule switches from one invocation to another although it could have continued with the first.
 #[must_use]
 pub fn switches(schedule: &[Move]) -> usize {
     schedule.windows(2).filter(|pair| pair[0].invocation != pair[1].invocation).count()

@@ -17,7 +17,7 @@ impl Subject {
     /// A method.
     ///
     /// # Errors
-    /// It is the oracle: there are no invocations whose order could matter.
+    /// The method is the oracle: it has no invocations whose order could matter.
     pub fn new(method: Method) -> Result<Self> {
         if method.is_exact() {
             let problem =
@@ -27,7 +27,7 @@ impl Subject {
         Ok(Self { method, contract: method.contract() })
     }
 
-    /// A scheme of one's own.
+    /// A user's scheme.
     #[must_use]
     pub fn of<S: Scheme>() -> Self {
         Self { method: Method::of::<S>(), contract: &S::CONTRACT }

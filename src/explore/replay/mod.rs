@@ -1,5 +1,5 @@
-//! Running a token again, and showing it: one column per invocation, the words that change, and the step after which
-//! the result could no longer be right.
+//! Replaying a token and showing it: one column per invocation, the words that change, and the step from which on every
+//! continuation is wrong.
 
 pub mod run;
 pub mod token;
@@ -23,16 +23,16 @@ use crate::scheme::task::Task;
 pub struct Replay {
     /// What happened.
     pub run: Run,
-    /// The number of steps after which no continuation was right any more; `None` if that cannot be said.
+    /// The number of steps from which on every continuation is wrong; `None` if it cannot be determined.
     pub doomed_after: Option<usize>,
-    /// Steps at the end that repeat for ever.
+    /// Steps at the end that repeat forever.
     pub cycle: usize,
 }
 
-/// States that are searched, for each step that is asked about.
+/// The most states searched for each step in question.
 const MOST_STATES: usize = 300_000;
 
-/// Run a token again, of a method of the catalogue.
+/// Replay a token of a method of the catalogue.
 ///
 /// # Errors
 /// An unknown method, or operations that are not the token's: the method has changed since.
@@ -40,7 +40,7 @@ pub fn replay(catalogue: &Catalogue, token: &LitmusToken) -> Result<Replay> {
     replay_of(&Subject::new(catalogue.find("TOKEN", &token.method)?)?, token)
 }
 
-/// Run a token again, of this method, whatever name the token has.
+/// Replay a token with this method, whatever name the token has.
 ///
 /// # Errors
 /// Operations that are not the token's.
@@ -60,7 +60,8 @@ fn is_of_result(property: Property) -> bool {
     matches!(property, Property::Keeps | Property::Intact | Property::Accounting)
 }
 
-/// The first number of steps after which nothing can be right: found by halving, since what is lost stays lost.
+/// The first number of steps after which every continuation is wrong: found by bisection, since a wrong state stays
+/// wrong.
 fn doomed_after(case: &Case, conditions: Conditions, schedule: &[Move]) -> Option<usize> {
     let limits = Limits { states: MOST_STATES, cancelled: &|| false };
     let right_after = |steps: usize| {
@@ -86,7 +87,7 @@ fn doomed_after(case: &Case, conditions: Conditions, schedule: &[Move]) -> Optio
 }
 
 impl Replay {
-    /// The interleaving as rows of cells: step, one column per invocation, what the word then holds, what is wrong.
+    /// The interleaving as rows of cells: step, one column per invocation, what the word then holds, and what is wrong.
     #[must_use]
     pub fn table(&self) -> Vec<Vec<String>> {
         let mut heading = vec!["step".to_owned()];
@@ -105,14 +106,14 @@ impl Replay {
                 rows.push(row);
             }
             if self.cycle > 0 && i + self.cycle == steps {
-                rows.push(vec!["for ever:".to_owned()]);
+                rows.push(vec!["forever:".to_owned()]);
             }
             rows.push(self.row(i, event));
         }
         rows
     }
 
-    /// Who is at work in a stage.
+    /// The invocations of a stage.
     fn names(&self, stage: usize) -> Vec<String> {
         let Some(stage) = self.run.stages.get(stage % self.run.stages.len().max(1)) else {
             return Vec::new();
@@ -131,13 +132,13 @@ impl Replay {
         row.push(word(event));
         let mut remarks: Vec<String> = event.wrong.iter().map(|(_, told)| told.clone()).collect();
         if self.doomed_after == Some(step + 1) {
-            remarks.insert(0, "<- from here on, no way is right".to_owned());
+            remarks.insert(0, "<- from here on, every continuation is wrong".to_owned());
         }
         row.push(remarks.join("; "));
         row
     }
 
-    /// How the run ended, and what was wrong with that; one line each.
+    /// How the run ended, and what was wrong with its end; one line each.
     #[must_use]
     pub fn ending(&self) -> Vec<String> {
         let mut lines = Vec::new();

@@ -1,4 +1,4 @@
-//! Running a schedule, step by step, with everything that happens on record.
+//! Running a schedule, step by step, recording everything that happens.
 
 use crate::error::{Error, Result};
 use crate::explore::memory::model::Race;
@@ -20,13 +20,13 @@ use crate::scheme::task::{Ended, Task};
 pub struct Event {
     /// Stages before this step, over all rounds.
     pub stage: usize,
-    /// Who moved, and how.
+    /// Which invocation moved, and how.
     pub by: Move,
     /// What it did; `None` for leaving a block.
     pub operation: Option<(Address, Action)>,
     /// The value read, or 0.
     pub result: u64,
-    /// From where in the source.
+    /// The place in the source.
     pub site: Option<Site>,
     /// How the invocation ended, if it did.
     pub ended: Option<String>,
@@ -39,7 +39,7 @@ pub struct Event {
 pub struct Run {
     /// The steps.
     pub events: Vec<Event>,
-    /// The invocations of every stage between two barriers, equally many.
+    /// The invocations of every stage between two barriers, the same number in each.
     pub stages: Vec<Stage>,
     /// How it ended, if every invocation did.
     pub end: Option<Final>,
@@ -70,7 +70,7 @@ impl<'a> Runner<'a> {
         Self { machine, nodes, state, events: Vec::new() }
     }
 
-    /// Bits of those that have not ended.
+    /// Bits of the invocations that have not ended.
     pub(in crate::explore) fn live(&self) -> u32 {
         self.machine.live(&self.nodes)
     }
@@ -86,12 +86,12 @@ impl<'a> Runner<'a> {
         self.machine.alternatives(&self.nodes, invocation)
     }
 
-    /// The node that an invocation stands at repeats an attempt.
+    /// Whether the node where an invocation is repeats an attempt.
     pub(in crate::explore) fn waits(&self, invocation: usize) -> bool {
         self.machine.forest.node(self.nodes[invocation]).waits
     }
 
-    /// Move; `None` if the invocation cannot move so.
+    /// Move; `None` if the invocation cannot make this move.
     pub(in crate::explore) fn step(&mut self, by: Move) -> Option<&Event> {
         let invocation = usize::from(by.invocation);
         let node = *self.nodes.get(invocation)?;
@@ -197,11 +197,11 @@ impl<'a> Runner<'a> {
             Task::Screen(_, p) => format!("'{}' of pixel {p}", stage.name),
             Task::Frame(_, i) => format!("'{}' number {i}", stage.name),
             Task::Resolve(p) => format!("the resolve of pixel {p}"),
-            Task::Idle => "nobody".to_owned(),
+            Task::Idle => "no invocation".to_owned(),
         }
     }
 
-    /// Look at the state after a step.
+    /// Check the state after a step.
     fn look(&mut self, wrong: &mut Vec<(Property, String)>) {
         self.machine.load(&self.state);
         let mut all = 0;
@@ -219,7 +219,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Everything, whether or not all invocations have ended.
+    /// The whole run, whether or not all invocations have ended.
     pub(in crate::explore) fn finish(mut self) -> Run {
         let (mut end, mut wrong) = (None, Vec::new());
         if self.live() == 0 {
@@ -234,8 +234,8 @@ impl<'a> Runner<'a> {
         Run { events: self.events, stages: self.machine.stages, end, wrong }
     }
 
-    /// Whether some way from the present state ends with nothing wrong: with the expected lists, and none of the
-    /// faults that the explorer knows. `None` above so many states.
+    /// Whether some continuation from the present state ends with nothing wrong: with the expected lists, and with none
+    /// of the faults that the explorer knows. `None` beyond the limit of states.
     pub(in crate::explore) fn can_still_be_right(&mut self, limits: &Limits<'_>) -> Option<bool> {
         let mut space = Space::new();
         let start = self.state.clone();
@@ -315,7 +315,7 @@ pub fn describe(action: Action) -> String {
 /// Run a schedule.
 ///
 /// # Errors
-/// A move that is impossible: the schedule is of something else.
+/// A move that is impossible: the schedule belongs to something else.
 pub(in crate::explore) fn run(
     case: &Case,
     conditions: Conditions,
@@ -325,7 +325,7 @@ pub(in crate::explore) fn run(
     for (i, &by) in schedule.iter().enumerate() {
         if runner.step(by).is_none() {
             let problem =
-                format!("step {} is impossible: the schedule is of something else", i + 1);
+                format!("step {} is impossible: the schedule belongs to something else", i + 1);
             return Err(Error::new("schedule", problem));
         }
     }

@@ -1,8 +1,9 @@
-//! Tokens: a failing schedule as a value that can be mailed.
+//! Tokens: a failing schedule as text that can be shared.
 //!
 //! `fl2-` and base64 (URL-safe, without padding) of what was run, the schedule, what it showed, a digest of its
-//! operations, and a checksum. A token is complete: method, instance, memory, schedule. It is refused if it was made
-//! by another version of the format, damaged, or if the operations it leads to are not those it was made of.
+//! operations, and a checksum. A token is complete: method, instance, memory, schedule. It is refused if it has another
+//! version of the format, if it is damaged, or if the operations that it leads to differ from those that it was made
+//! from.
 
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -24,12 +25,46 @@ const PREFIX: &str = "fl2-";
 const CHECK: usize = 4;
 
 /// A run that can be repeated.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Token {
     /// A schedule of a litmus pixel.
     Litmus(LitmusToken),
     /// A whole scene on the simulated device.
     Scene(SceneToken),
+}
+
+/// A token's bytes. A new form is a new variant at the end, so that old tokens keep their bytes.
+#[derive(Serialize, Deserialize)]
+enum Wire {
+    Litmus(LitmusToken),
+    Scene(SceneToken),
+    /// A litmus pixel of a method with inputs, and their words.
+    WithInputs(LitmusToken, Vec<Vec<u32>>),
+}
+
+impl From<&Token> for Wire {
+    fn from(token: &Token) -> Self {
+        match token {
+            Token::Litmus(token) if !token.litmus.inputs.is_empty() => {
+                Self::WithInputs(token.clone(), token.litmus.inputs.clone())
+            }
+            Token::Litmus(token) => Self::Litmus(token.clone()),
+            Token::Scene(token) => Self::Scene(token.clone()),
+        }
+    }
+}
+
+impl From<Wire> for Token {
+    fn from(wire: Wire) -> Self {
+        match wire {
+            Wire::Litmus(token) => Self::Litmus(token),
+            Wire::Scene(token) => Self::Scene(token),
+            Wire::WithInputs(mut token, inputs) => {
+                token.litmus.inputs = inputs;
+                Self::Litmus(token)
+            }
+        }
+    }
 }
 
 /// A schedule of a litmus pixel.
@@ -47,9 +82,9 @@ pub struct LitmusToken {
     warp: Option<u32>,
     /// (invocation, alternative, how often) from the beginning.
     runs: Vec<(u8, u16, u32)>,
-    /// The same of what then repeats for ever.
+    /// The same for what then repeats forever.
     cycle: Vec<(u8, u16, u32)>,
-    /// Of the operations and their results.
+    /// The digest of the operations and their results.
     digest: u64,
 }
 
@@ -75,7 +110,7 @@ pub struct SceneToken {
 }
 
 impl LitmusToken {
-    /// Of a schedule and the run that it gave. `cycle` repeats for ever after it.
+    /// A token of a schedule and its run. `cycle` repeats forever after it.
     #[must_use]
     pub fn new(
         method: &str,
@@ -103,7 +138,7 @@ impl LitmusToken {
         }
     }
 
-    /// How it is run.
+    /// The conditions of the run.
     #[must_use]
     pub fn conditions(&self) -> Conditions {
         let memory = match self.memory {
@@ -119,22 +154,22 @@ impl LitmusToken {
         unpack(&self.runs).chain(unpack(&self.cycle)).collect()
     }
 
-    /// The moves that repeat for ever.
+    /// The moves that repeat forever.
     #[must_use]
     pub fn cycle(&self) -> usize {
         unpack(&self.cycle).count()
     }
 
-    /// Whether a run is the one that the token was made of.
+    /// Check that a run is the one that the token was made from.
     ///
     /// # Errors
-    /// Its operations or results are others: the method has changed since.
+    /// Its operations or results differ: the method has changed since.
     pub fn verify(&self, run: &Run) -> Result<()> {
         if digest(&run.events) == self.digest {
             return Ok(());
         }
         let problem = format!(
-            "leads to other operations of {} than it was made of: the method has changed since",
+            "leads to other operations of {} than those that it was made from: the method has changed since",
             self.method
         );
         Err(bad(&problem))
@@ -176,7 +211,7 @@ fn digest(events: &[Event]) -> u64 {
 
 impl std::fmt::Display for Token {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut bytes = postcard::to_stdvec(self).map_err(|_| std::fmt::Error)?;
+        let mut bytes = postcard::to_stdvec(&Wire::from(self)).map_err(|_| std::fmt::Error)?;
         bytes.extend(checksum(&bytes));
         write!(f, "{PREFIX}{}", URL_SAFE_NO_PAD.encode(bytes))
     }
@@ -191,9 +226,9 @@ impl std::str::FromStr for Token {
             let other = text.strip_prefix("fl").and_then(|t| t.split_once('-'));
             return Err(match other {
                 Some((version, _)) if version.chars().all(|c| c.is_ascii_digit()) => bad(&format!(
-                    "is of version {version} of the format; this fragloom reads version 1"
+                    "is of version {version} of the format; this fragloom reads version 2"
                 )),
-                _ => bad("is no token: a token begins with fl2-"),
+                _ => bad("is not a token: a token begins with fl2-"),
             });
         };
         let damaged =
@@ -206,20 +241,24 @@ impl std::str::FromStr for Token {
         if checksum(payload) != check {
             return Err(damaged());
         }
-        let token: Self = postcard::from_bytes(payload).map_err(|_| damaged())?;
+        let wire: Wire = postcard::from_bytes(payload).map_err(|_| damaged())?;
+        let token = Self::from(wire);
         token.check()?;
         Ok(token)
     }
 }
 
 impl Token {
-    /// The most moves of a token: longer ones were not made here, and would only take memory.
+    /// The most moves of a token: longer ones are not made here, and would only take memory.
     const MOST_MOVES: u64 = 10_000_000;
 
-    /// What a well-made token always fulfils.
+    /// The most words of inputs.
+    const MOST_WORDS: usize = 4_096;
+
+    /// Check what holds for every well-formed token.
     fn check(&self) -> Result<()> {
         let Self::Litmus(token) = self else { return Ok(()) };
-        let Litmus { pixels, fragments, room, helpers, k, table, .. } = &token.litmus;
+        let Litmus { pixels, fragments, room, helpers, k, table, inputs } = &token.litmus;
         let fits = |t: &TableSettings| t.cells() <= 64 && t.size[0] > 0 && t.size[1] > 0;
         let moves = token.runs.iter().chain(&token.cycle).map(|run| u64::from(run.2)).sum::<u64>();
         let invocations = fragments.len() + *helpers as usize + 2 * *pixels as usize + 1;
@@ -232,8 +271,9 @@ impl Token {
             && fragments.iter().all(|f| f.0 < *pixels && f.1 != u32::MAX)
             && table.as_ref().is_none_or(|t| fits(t) && (1..=MOST_AGES).contains(&t.ages))
             && token.warp.is_none_or(|w| w > 0)
+            && inputs.iter().map(Vec::len).sum::<usize>() <= Self::MOST_WORDS
             && moves <= Self::MOST_MOVES;
-        if sane { Ok(()) } else { Err(bad("describes no litmus pixel that fragloom makes")) }
+        if sane { Ok(()) } else { Err(bad("does not describe a litmus pixel that fragloom makes")) }
     }
 }
 

@@ -19,17 +19,17 @@ use crate::scheme::Keeps;
 /// Many executions of a scene.
 #[derive(Clone, Debug)]
 pub struct Executions {
-    /// How the scene is named on the command line: tokens name it so.
+    /// The scene's name on the command line, which tokens use.
     pub name: String,
     /// `--schedule`, as typed: tokens repeat it.
     pub schedule: String,
     /// How it is drawn; the executor is the simulated device, and its seed the first of the seeds.
     pub options: Options,
-    /// How many, with seeds one after another.
+    /// How many, with consecutive seeds.
     pub count: u64,
 }
 
-/// What one execution gave.
+/// The result of one execution.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Executed {
     seed: u64,
@@ -40,10 +40,10 @@ struct Executed {
 }
 
 impl Executions {
-    /// Run them all; one row for the kept fragments and one for the result being the same.
+    /// Run them all; give one row for the kept fragments and one for whether all results are the same.
     ///
     /// # Errors
-    /// The scene cannot be drawn so.
+    /// The scene cannot be drawn in this way.
     pub fn check(
         &self,
         subject: &Subject,
@@ -100,7 +100,7 @@ impl Executions {
         done: &[&Executed],
         expected: Option<&str>,
     ) -> Finding {
-        // Which of the hidden fragments are culled is nobody's business; each run has judged that they are hidden.
+        // Which hidden fragments are culled does not matter; each run has judged that they are hidden.
         let culls = subject.contract.keeps == Keeps::Visible;
         let wrong = |e: &&&Executed| {
             let found = e.fragments_hash.as_deref();
@@ -145,7 +145,7 @@ impl Executions {
         let mut row = self.row(subject, scene, Property::OneOutcome, done.len());
         if images.len() > 1 && subject.contract.keeps == Keeps::Visible {
             row.message = format!(
-                "{} different images in {} executions: who is culled may depend on arrival",
+                "{} different images in {} executions: which fragments are culled may depend on arrival",
                 images.len(),
                 done.len()
             );

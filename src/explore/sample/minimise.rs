@@ -1,8 +1,8 @@
-//! Cutting a failure down: a scene to one pixel, a pixel's fragments, the switches between invocations, the steps.
+//! Minimising a failure: a scene to one pixel, a pixel's fragments, the switches between invocations, the steps.
 //!
 //! Delta debugging with replays: a smaller candidate is kept if it still shows the same property violated. A candidate
-//! schedule is followed as far as it goes; moves of invocations that have ended are left out, and who is left over runs
-//! to its end in order.
+//! schedule is followed as far as it goes; moves of invocations that have ended are left out, and the remaining
+//! invocations run to their end in order.
 
 use super::pixel::litmus_of;
 use crate::catalogue::Catalogue;
@@ -36,7 +36,7 @@ struct Failure {
     schedule: Schedule,
 }
 
-/// Cut a litmus token down.
+/// Minimise a litmus token.
 ///
 /// # Errors
 /// An unknown method, or a token that does not show its violation.
@@ -51,7 +51,7 @@ pub fn minimise_litmus(
     if property == Property::Termination {
         return Ok(token.clone());
     }
-    // That there are other results cannot be seen in one run; that this one is wrong can.
+    // One run cannot show that there are other results; it can show that its own result is wrong.
     let property = if property == Property::OneOutcome { Property::Keeps } else { property };
     let failure = Failure {
         subject,
@@ -63,10 +63,10 @@ pub fn minimise_litmus(
     failure.minimise(limits)
 }
 
-/// Cut the failure of a scene on the simulated device down to a pixel with the fewest fragments.
+/// Minimise the failure of a scene on the simulated device to a pixel with the fewest fragments.
 ///
 /// # Errors
-/// Nothing fails, or only in ways that one pixel does not show.
+/// Nothing fails, or it fails only in ways that one pixel does not show.
 pub fn minimise_scene(
     scene: &Scene,
     options: &Options,
@@ -96,7 +96,7 @@ pub fn minimise_scene(
     Err(unfit("fails only on pixels that cannot be cut out"))
 }
 
-/// One pixel of a scene, with the part of the schedule that is its own, if that fails too.
+/// One pixel of a scene, with its part of the schedule, if that fails too.
 fn cut(
     subject: &Subject,
     scene: &Scene,
@@ -125,8 +125,8 @@ fn cut(
     }))
 }
 
-/// Follow moves as far as they go, then run whoever is left. A move may say to which stage it belongs: whoever is left
-/// in the stages before it then runs first.
+/// Follow moves as far as they go, then run the remaining invocations. A move may name its stage: the remaining
+/// invocations of earlier stages then run first.
 fn follow(
     case: &Case,
     conditions: Conditions,
@@ -182,7 +182,7 @@ impl Failure {
         run.violations().any(|(found, _)| *found == self.property).then_some(schedule)
     }
 
-    /// Leave out one fragment after another, as long as any can be spared.
+    /// Leave out one fragment after another, as long as any is unnecessary.
     fn drop_fragments(&mut self, limits: &Limits<'_>) {
         let mut at = 0;
         while at < self.litmus.fragments.len() && !(limits.cancelled)() {
@@ -209,7 +209,7 @@ impl Failure {
         }
     }
 
-    /// Let an invocation go on where it was interrupted, as long as that leaves the violation.
+    /// Let an invocation continue where it was interrupted, as long as the violation remains.
     fn drop_switches(&mut self, limits: &Limits<'_>) {
         let mut at = 1;
         while at < self.schedule.len() && !(limits.cancelled)() {
@@ -237,7 +237,7 @@ impl Failure {
         }
     }
 
-    /// With few fragments left, take a shortest schedule of all.
+    /// With few fragments left, find a shortest schedule of all.
     fn search(&mut self, limits: &Limits<'_>) {
         if self.litmus.fragments.len() > SEARCHED {
             return;

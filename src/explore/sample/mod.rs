@@ -1,4 +1,4 @@
-//! Whole scenes: runs of a scene on the simulated device, one pixel of it as a litmus pixel, and schedules cut down.
+//! Whole scenes: runs of a scene on the simulated device, one pixel of it as a litmus pixel, and minimised schedules.
 
 mod executions;
 pub mod minimise;

@@ -72,11 +72,11 @@ fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
     found
 }
 
-/// As [`Survey::given`]; where a bound keeps it from an answer, so many random runs look for a violation, which is then cut
-/// down. What they do not find stays unknown.
+/// As [`Survey::given`]; if a bound prevents an answer, this many random runs look for a violation, which is then
+/// minimised. What they do not find stays unknown.
 ///
 /// # Errors
-/// None that a random policy has.
+/// None with a random policy.
 pub fn sampled(
     subject: &Subject,
     litmus: &Litmus,

@@ -1,4 +1,4 @@
-//! A scene's token, run again.
+//! Replaying a scene's token.
 
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
@@ -7,14 +7,14 @@ use crate::explore::replay::token::SceneToken;
 use crate::render::{Exec, Options, Rendering, Sim, render};
 use crate::scene::{self, Overrides, Scene};
 
-/// What a scene's token leads to.
+/// The result of replaying a scene's token.
 #[derive(Clone, Debug)]
 pub struct SceneReplay {
     /// The scene that it names.
     pub scene: Scene,
     /// How it was drawn.
     pub options: Options,
-    /// The picture and its accounting, again.
+    /// The picture and its accounting from the replay.
     pub rendering: Rendering,
 }
 
@@ -22,7 +22,7 @@ impl SceneToken {
     /// The scene that the token names, at its size.
     ///
     /// # Errors
-    /// There is none, or it is wrong.
+    /// The scene does not exist, or it is invalid.
     pub fn scene(&self) -> Result<Scene> {
         scene::load(&self.scene, &Overrides { size: Some(self.size), ..Overrides::default() })
     }
@@ -30,7 +30,7 @@ impl SceneToken {
     /// How the token draws it.
     ///
     /// # Errors
-    /// The catalogue has no such method, or the token's values fit none.
+    /// The catalogue has no such method, or the token's values do not fit it.
     pub fn options(&self, catalogue: &Catalogue) -> Result<Options> {
         let policy = Policy::parse(&self.schedule)?;
         let resident = usize::try_from(self.resident).unwrap_or(usize::MAX);
@@ -49,7 +49,7 @@ impl SceneToken {
 /// Draw what a scene's token names, in its interleaving.
 ///
 /// # Errors
-/// The scene or the method is not there, or has changed since: other fragments are kept.
+/// The scene or the method does not exist, or has changed since: other fragments are kept.
 pub fn replay_scene(catalogue: &Catalogue, token: &SceneToken) -> Result<SceneReplay> {
     let scene = token.scene()?;
     let options = token.options(catalogue)?;
@@ -62,7 +62,7 @@ pub fn replay_scene(catalogue: &Catalogue, token: &SceneToken) -> Result<SceneRe
 }
 
 impl SceneReplay {
-    /// Whether it shows that a fragment was lost, stored twice or torn, or that another promise was broken.
+    /// Whether the replay shows that a fragment was lost, stored twice or torn, or that another promise was broken.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
         let report = &self.rendering.report;

@@ -1,9 +1,10 @@
-//! The stability matrix, derived: what each method's result is seen to depend on.
+//! The stability matrix, derived: what each method's result was observed to depend on.
 //!
 //! Every method draws three small scenes: one with distinct depths, one with coplanar layers of different colours, and
-//! one with more layers than a method with limited room was told of. Each is drawn with its triangles in many orders, one
-//! invocation after another; and in one order under many schedules of the simulated device. What differs is a dependence
-//! that was *seen*; what does not, was not seen in so many runs, which proves nothing (`fragloom check` may).
+//! one with more layers than a method with limited room was configured for. Each is drawn with its triangles in many
+//! orders, one invocation after another; and in one order under many schedules of the simulated device. A difference is
+//! an *observed* dependence. No difference means that none was observed in this many runs, which proves nothing
+//! (`fragloom check` may).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,7 +17,7 @@ use crate::render::{Exec, Options, Policy, Report, Sim, TableOptions, render};
 use crate::scene::{self, Overrides, Scene};
 use crate::scheme::contract::{Demand, Keeps};
 
-/// What was seen of one method.
+/// What was observed of one method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Stability {
     /// The method.
@@ -29,9 +30,9 @@ pub struct Stability {
     pub arrival_at_overflow: bool,
     /// That room is a pool of the frame, and not the method's own limit.
     pub pooled: bool,
-    /// Some schedule lost, doubled or tore fragments that one invocation after another keeps, or others than it does.
+    /// Some schedule lost, doubled or tore fragments that sequential execution keeps, or other fragments than it does.
     pub schedule: bool,
-    /// One invocation after another, some fragments of equal depth were confused or lost.
+    /// Even in sequential execution, some fragments of equal depth were confused or lost.
     pub inexact_at_ties: bool,
     /// Runs behind this row.
     pub runs: usize,
@@ -40,9 +41,9 @@ pub struct Stability {
 }
 
 impl Stability {
-    /// What was seen is what the contract declares. A pool that is too small is no matter of the method: any drops by
-    /// arrival then. Of a racy method that declares a dependence on arrival, that on the schedule is enough to be seen:
-    /// a schedule is an order of arrival too.
+    /// Whether the observations match what the contract declares. A pool that is too small does not count: any method
+    /// then drops by arrival. For a racy method that declares a dependence on arrival, an observed dependence on the
+    /// schedule is enough: a schedule is also an order of arrival.
     #[must_use]
     pub fn agrees(&self) -> bool {
         let overflow = self.arrival_at_overflow && !self.pooled;
@@ -58,19 +59,19 @@ const EDGE: u32 = 6;
 /// Layers of a scene.
 const LAYERS: u32 = 24;
 
-/// k, or slots where a method shall overflow.
+/// k, or slots if a method is to overflow.
 const K: u32 = 4;
 
 /// Load of hash tables, in per cent.
 const LOAD: u32 = 90;
 
-/// Orders of triangles that are tried.
+/// Orders of triangles to try.
 const ORDERS: u64 = 6;
 
 /// Seeds of each policy.
 const SEEDS: u64 = 6;
 
-/// Derive the rows of all methods of a catalogue but the built-in faults.
+/// Derive the rows of all methods of a catalogue except the built-in faults.
 ///
 /// # Errors
 /// A scene that cannot be drawn: a defect.
@@ -113,7 +114,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
                 let exec = simulated(policy.clone(), seed);
                 let drawn = runs.draw(scene, k, None, exec)?;
                 let other = drawn.fragments_hash != alone.fragments_hash;
-                // What is confused anyway may be so in more ways than one.
+                // Fragments confused in any case may be confused in several ways.
                 schedule |= wrong(&drawn) > wrong(&alone) || (confused && other);
             }
         }
@@ -153,7 +154,7 @@ impl Runs {
             // So that the picture is most of what memory is allocated for.
             tile: 16,
             counters: false,
-            // So full that insertions push each other about.
+            // So full that insertions often displace records.
             table: TableOptions {
                 load: memory_budget.is_none().then_some(LOAD),
                 ..TableOptions::default()

@@ -1,4 +1,4 @@
-//! Single runs of a litmus pixel under a policy: for instances too large to explore, and to look at one schedule.
+//! Single runs of a litmus pixel under a policy: for instances too large to explore, and for looking at one schedule.
 
 use crate::error::Result;
 use crate::exec::sim::policy::{self, Scheduler, Scheduling};
@@ -9,14 +9,14 @@ use crate::explore::replay::run::{Run, Runner};
 use crate::explore::search::exhaustive::Limits;
 use crate::num::random;
 
-/// Steps after which a run is given up: its schedule may never end.
+/// Steps after which a run is abandoned: its schedule may never end.
 const MOST_STEPS: usize = 100_000;
 
 /// The stream of the random numbers that choose among values.
 const STREAM: u64 = 0xA17E_44A7;
 
-/// Run an instance once, under a policy of the simulated device; where memory allows several values, one at random by
-/// the seed. The schedule, and the run; `None` if it does not end in time.
+/// Run an instance once, under a policy of the simulated device; where memory allows several values, the seed picks one
+/// at random. Gives the schedule and the run; `None` if it does not end in time.
 ///
 /// # Errors
 /// A recorded schedule that does not fit.
@@ -47,7 +47,7 @@ pub(super) fn walk(
         schedule.push(by);
         let now = runner.live();
         if runner.stage() != stage {
-            // It was the last of its stage; those of the next one come now.
+            // It was the last of its stage; the invocations of the next stage come now.
             stage = runner.stage();
             policy.retire(invocation as u32);
             admit(&mut *policy, now);
@@ -61,11 +61,11 @@ pub(super) fn walk(
     Ok(Some((schedule, runner.finish())))
 }
 
-/// Whoever the policy names among those that can move; `None` if nobody can.
+/// The invocation that the policy names among those that can move; `None` if none can.
 fn next(policy: &mut dyn Scheduler, runner: &mut Runner<'_>, live: u32) -> Result<Option<usize>> {
     let can_move =
         |runner: &mut Runner<'_>, i: usize| live & (1 << i) != 0 && runner.alternatives(i) > 0;
-    // A lane that waits for others is passed over; a policy that insists on it is not asked for ever.
+    // A lane that waits for others is skipped; a policy that insists on it is not asked forever.
     for _ in 0..64 {
         let slot = policy.next()? as usize;
         if can_move(runner, slot) {

@@ -1,6 +1,7 @@
 //! All interleavings of an instance: breadth-first over hashed states, so that the first way to a violation is a
-//! shortest one. There is no partial-order reduction: it fights hashing, invariants in every state, and lassos.
-//! Under sequential consistency, invocations with equal tasks are put in order, since nobody can tell them apart.
+//! shortest one. There is no partial-order reduction: it conflicts with hashing, with invariants in every state, and
+//! with lassos. Under sequential consistency, invocations with equal tasks are put in order, since they are
+//! indistinguishable.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ use crate::scheme::{Held, Moment};
 pub struct Limits<'a> {
     /// States per instance.
     pub states: usize,
-    /// Whether the user has had enough.
+    /// Whether the user has cancelled.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -39,7 +40,7 @@ pub struct Found {
     pub schedule: Schedule,
 }
 
-/// What exploring an instance gave.
+/// The result of exploring an instance.
 #[derive(Clone, Debug)]
 pub struct Explored {
     /// Every state was visited.
@@ -50,7 +51,7 @@ pub struct Explored {
     pub transitions: usize,
     /// Complete interleavings, a repeated state not counted again; `None` if there are cycles, or above 2^127.
     pub executions: Option<u128>,
-    /// Some invocation can repeat itself: there is a cycle, if only of one step.
+    /// Some invocation can repeat itself: there is a cycle, possibly of one step.
     pub cyclic: bool,
     /// Every final result, with a shortest schedule to it.
     pub outcomes: BTreeMap<Vec<Held>, Schedule>,
@@ -58,7 +59,7 @@ pub struct Explored {
     pub violations: BTreeMap<Property, Found>,
     /// Operations and blocks reached: file, line, column.
     pub sites: std::collections::BTreeSet<(&'static str, u32, u32)>,
-    /// Waits that stand in no block.
+    /// Waits outside of any block.
     pub bare_waits: usize,
     /// Comparisons of waits with the marks they go back to.
     pub claims: usize,
@@ -110,12 +111,12 @@ pub(in crate::explore) fn graph<'a>(
     complete.then_some((search.graph, search.space, search.machine))
 }
 
-/// Runs of invocations, helpers apart, with equal tasks.
+/// Runs of invocations with equal tasks; helpers separate.
 fn groups(machine: &Machine<'_>) -> Vec<Vec<std::ops::Range<usize>>> {
     machine.stages.iter().map(equals).collect()
 }
 
-/// The same of one stage.
+/// The same for one stage.
 fn equals(stage: &Stage) -> Vec<std::ops::Range<usize>> {
     let tasks = &stage.tasks;
     let same = |a: usize, b: usize| {
@@ -134,7 +135,7 @@ fn equals(stage: &Stage) -> Vec<std::ops::Range<usize>> {
     groups
 }
 
-/// Put equal invocations in the order of their nodes. `who` follows: which invocation stands in each place.
+/// Put equal invocations in the order of their nodes. `who` follows: it holds the invocation in each place.
 fn canonical(nodes: &mut [NodeId], groups: &[std::ops::Range<usize>], who: &mut [u8]) {
     for group in groups {
         for i in group.start + 1..group.end {
@@ -183,11 +184,11 @@ impl<'a> Search<'a> {
         let short = |pixels: &Vec<Held>| {
             pixels.iter().map(Held::len).sum::<usize>() < litmus.fragments.len()
         };
-        // Of a table that is too small, it may depend on arrival who finds no room.
+        // If a table is too small, which fragments find no room may depend on arrival.
         let open = contract.crosses() && !contract.settles_overflow() && outcomes.keys().any(short);
         let one = !open && !property::overflows(contract, litmus);
         if one && outcomes.len() > 1 {
-            // The first one that is not the right one; or, if all are right in some way, the second.
+            // The first one that is not the right one; or, if all are acceptable, the second.
             let expected = property::expected(self.machine.case);
             let is_right = |pixels: &Vec<Held>| expected.as_ref() == Some(pixels);
             let mut states: Vec<(bool, StateId)> =
@@ -224,7 +225,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Visit every state; whether all were.
+    /// Visit every state. Returns whether all were visited.
     fn expand_all(&mut self, limits: &Limits<'_>) -> bool {
         let start = self.machine.initial().to_vec();
         self.space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
@@ -351,7 +352,7 @@ impl<'a> Search<'a> {
         self.machine.finish(&words[..self.machine.width])
     }
 
-    /// The moves to a state and perhaps one more, by the invocations that really make them.
+    /// The moves to a state and perhaps one more, by the invocations that actually make them.
     fn schedule(&mut self, state: StateId, last: Option<Move>) -> Schedule {
         let path: Vec<Move> = self.space.path(state).into_iter().chain(last).collect();
         if self.groups.is_empty() {
@@ -379,7 +380,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether some way leads from a state back to it.
+/// Whether some path leads from a state back to itself.
 fn is_cyclic(graph: &Graph) -> bool {
     let states = graph.states();
     let targets = |state: usize| graph.edges(state).map(|e| graph.targets[e] as usize);
@@ -432,7 +433,7 @@ fn executions(graph: &Graph) -> Option<u128> {
 
 #[cfg(test)]
 impl Graph {
-    /// Of edges (state, mover, target), in the order of their states.
+    /// A graph from edges (state, mover, target), in the order of their states.
     pub(in crate::explore) fn of(states: usize, edges: &[(usize, u8, StateId)]) -> Self {
         assert!(edges.is_sorted_by_key(|edge| edge.0));
         Self {

@@ -2,10 +2,9 @@
 //!
 //! Models as in Sorensen et al., "Specifying and testing GPU workgroup progress models" (OOPSLA 2021), Table 1. An
 //! execution that never ends is, from some point on, a walk inside a strongly connected part of the state graph. For
-//! every set A of live invocations, a cycle that moves exactly A is fair if A contains everybody whom the model
-//! guarantees to be scheduled (or who is disabled somewhere on the cycle: a lane that waits for others of its warp). A
-//! fair cycle refutes termination; stem and cycle together are the lasso. Progress is explored under sequential
-//! consistency.
+//! every set A of live invocations, a cycle that moves exactly A is fair if every invocation that the model guarantees
+//! to be scheduled is in A (or disabled somewhere on the cycle, as a lane that waits for others of its warp). A fair
+//! cycle refutes termination; stem and cycle together are the lasso. Progress is explored under sequential consistency.
 
 use super::exhaustive::{Graph, Limits, graph};
 use super::space::{Space, StateId};
@@ -16,25 +15,25 @@ use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS, Machine};
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::explore::program::subject::Subject;
 
-/// Whom a device guarantees to schedule again and again, as long as they have not ended.
+/// Which invocations a device guarantees to schedule again and again, as long as they have not ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Progress {
-    /// Nobody.
+    /// None.
     Unfair,
     /// The lowest invocation that has not ended (HSA).
     Hsa,
-    /// Who has moved once (occupancy-bound execution).
+    /// Those that have moved once (occupancy-bound execution).
     Obe,
     /// Both of these.
     HsaObe,
-    /// Who has moved, and all before one that has (linear OBE).
+    /// Those that have moved, and all before one that has (linear OBE).
     Lobe,
     /// All.
     Fair,
 }
 
 impl Progress {
-    /// All models, weakest first as far as they compare.
+    /// All models, weakest first where they are comparable.
     pub const ALL: [Self; 6] =
         [Self::Unfair, Self::Hsa, Self::Obe, Self::HsaObe, Self::Lobe, Self::Fair];
 
@@ -70,7 +69,7 @@ impl Progress {
     }
 }
 
-/// An execution that never ends: the stem, then the cycle for ever. With an empty cycle nobody can move at all.
+/// An execution that never ends: the stem, then the cycle forever. With an empty cycle, no invocation can move at all.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lasso {
     /// From the beginning into the cycle.
@@ -79,16 +78,16 @@ pub struct Lasso {
     pub cycle: Schedule,
 }
 
-/// What exploring an instance's progress gave.
+/// The result of exploring an instance's progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Progressed {
     /// States of the graph; 0 if it was not completed.
     pub states: usize,
-    /// For each model of [`Progress::ALL`], how it fails to end.
+    /// For each model of [`Progress::ALL`], how the instance fails to end.
     pub lassos: [Option<Lasso>; 6],
 }
 
-/// Whether one instance of a method ends, under every model; with `warp`, as lanes that come together. `None` if not all
+/// Whether one instance of a method ends, under every model; with `warp`, as lanes that reconverge. `None` if not all
 /// of its states were visited.
 #[must_use]
 pub fn ends(
@@ -253,7 +252,7 @@ impl Endings<'_> {
         })
     }
 
-    /// A way into a part, and a walk in it that moves all of `set` and comes back.
+    /// A path into a part, and a walk in it that moves all of `set` and comes back.
     fn lasso(&self, part: &[usize], set: u32) -> Lasso {
         let home = part[0];
         let (mut at, mut cycle) = (home, Vec::new());
@@ -271,7 +270,7 @@ impl Endings<'_> {
         Lasso { stem: self.space.path(home as StateId), cycle }
     }
 
-    /// The shortest walk in a part that ends with an edge for which `arrives` holds; where it ends.
+    /// The shortest walk in a part that ends with an edge for which `arrives` holds. Returns where it ends.
     fn walk(
         &self,
         part: &[usize],
@@ -310,7 +309,7 @@ impl Endings<'_> {
         from
     }
 
-    /// The move of an edge. Alternatives are counted again: edges of one mover follow one another.
+    /// The move of an edge. Its alternative is found by counting: edges of one mover are consecutive.
     fn step(&self, edge: usize) -> Move {
         let mover = self.graph.movers[edge];
         let state = self.graph.first.partition_point(|&first| first <= edge) - 1;
@@ -332,7 +331,7 @@ mod tests {
         assert_eq!(who(0b1110, 0b0101), [0, 0b0010, 0b0100, 0b0110, 0b0110, 0b1110]);
     }
 
-    /// Look at a hand-made graph, whose state n was reached by n moves of invocation 7.
+    /// Look at a hand-made graph, in which state n was reached by n moves of invocation 7.
     fn look<T>(graph: Graph, at: impl Fn(&Endings<'_>) -> T) -> T {
         let method = crate::catalogue::method("z-buffer").expect("a method");
         let subject = Subject::new(method).expect("no oracle");
@@ -416,7 +415,7 @@ mod tests {
         }
     }
 
-    /// The walk goes round, moves everybody, and each of its moves is possible where it stands.
+    /// The walk is closed, moves every invocation of the set, and each of its moves is possible at its place.
     #[test]
     fn a_lasso_comes_back_and_moves_everybody() {
         let by = |invocation, alternative| Move { invocation, alternative };

@@ -6,7 +6,7 @@ use crate::explore::program::forest::Fault;
 use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Final;
 use crate::fragment::depth_of;
-use crate::scheme::contract::Keeps;
+use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::visible::is_hidden;
 use crate::scheme::{Contract, Held, Outcome};
 
@@ -15,11 +15,11 @@ use crate::scheme::{Contract, Held, Outcome};
 pub enum Property {
     /// A pixel holds what the contract says: the k nearest, all, the nearest one.
     Keeps,
-    /// No entry is there twice, and none was never generated.
+    /// No entry is duplicated, and every entry was generated.
     Intact,
     /// What invocations report adds up to what was generated.
     Accounting,
-    /// No lock is held by two, freed by one who does not hold it, or kept.
+    /// No lock is held by two invocations, freed by one that does not hold it, or kept.
     MutualExclusion,
     /// No access goes outside of the method's words.
     Bounds,
@@ -85,17 +85,17 @@ impl Fault {
     }
 }
 
-/// Whether several results are right: an instance without room for all that its contract wants to keep, where what is
-/// dropped depends on arrival, as the contract says; or a method that may cull what is hidden, and need not.
+/// Whether several results are right: the instance has no room for all that its contract wants to keep, and the
+/// contract says that drops depend on arrival; or the method may cull what is hidden, but need not.
 pub(in crate::explore) fn overflows(contract: &Contract, litmus: &Litmus) -> bool {
     if contract.keeps == Keeps::Visible {
         return true;
     }
     let short = (litmus.room as usize) < litmus.fragments.len();
-    short && matches!(contract.keeps, Keeps::All | Keeps::FirstArrivals)
+    short && !matches!(contract.overflow, Overflow::Never(_))
 }
 
-/// What a finished run did wrong.
+/// What was wrong with a finished run.
 pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, String)> {
     let (contract, litmus) = (case.contract, &case.litmus);
     let mut wrong = Vec::new();
@@ -156,7 +156,7 @@ fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
     own.map(|(_, &outcome)| outcome).collect()
 }
 
-/// Of what is no plain list of fragments: it is what the method says, if that may not depend on arrival.
+/// For anything but a plain list of fragments: it must be what the method specifies, if that may not depend on arrival.
 fn as_expected(case: &Case, pixel: u32, held: &Held) -> Option<String> {
     let open = case.contract.is_arrival_dependent() || overflows(case.contract, &case.litmus);
     let expected = case.expected(pixel).filter(|_| !open)?;
@@ -174,7 +174,8 @@ fn keeps(
     let expected = case.expected(pixel).and_then(|held| held.keys().map(<[u64]>::to_vec))?;
     let dropped = reports.iter().filter(|o| matches!(o, Outcome::Overflow | Outcome::Pool)).count();
     let right = match contract.keeps {
-        // Drops by arrival: any of the fragments may be missing, but no more than were reported and than do not fit.
+        // Drops by arrival: any of the fragments may be missing, but no more than were reported, and no more than do
+        // not fit.
         Keeps::All | Keeps::FirstArrivals if overflows(contract, litmus) => {
             let room = litmus.room as usize;
             let enough = match contract.keeps {
@@ -183,7 +184,7 @@ fn keeps(
             };
             enough && list.len() + dropped == generated.len() && is_part(list, generated)
         }
-        // By depth alone, whoever of the equal ones came first.
+        // By depth alone, whichever of the equal ones came first.
         Keeps::Nearest | Keeps::NearestBy(_) if contract.is_arrival_dependent() => {
             let depths = |keys: &[u64]| keys.iter().map(|&key| depth_of(key)).collect::<Vec<_>>();
             depths(list) == depths(&expected) && is_part(list, generated)
@@ -193,8 +194,8 @@ fn keeps(
     (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
 }
 
-/// The same where fragments of all pixels share a table: what one invocation drops may belong to another's pixel, so that
-/// reports are for all pixels together.
+/// The same where fragments of all pixels share a table: what one invocation drops may belong to another's pixel, so
+/// reports count for all pixels together.
 fn keeps_of_table(
     contract: &Contract,
     litmus: &Litmus,
@@ -208,7 +209,7 @@ fn keeps_of_table(
     let dropped = reports.iter().any(|o| matches!(o, Outcome::Age | Outcome::Pool));
     let hidden = |key: u64| contract.keeps == Keeps::Visible && is_hidden(generated, key, opaque);
     let mut rest = list.iter().peekable();
-    // A dropped one may be any; how many are is a matter of the accounting.
+    // Any fragment may be the dropped one; the accounting checks how many there are.
     let right = expected.iter().all(|&key| {
         let found = rest.next_if(|&&kept| kept == key).is_some();
         found || dropped || hidden(key)
@@ -216,7 +217,7 @@ fn keeps_of_table(
     (!right).then(|| format!("{} instead of {}", keys(list), keys(&expected)))
 }
 
-/// What every pixel must hold, where room and arrival have no say; `None` if the method does not say.
+/// What every pixel must hold, where room and arrival do not matter; `None` if the method does not specify it.
 pub(in crate::explore) fn expected(case: &Case) -> Option<Vec<Held>> {
     (0..case.litmus.pixels).map(|pixel| case.expected(pixel)).collect()
 }

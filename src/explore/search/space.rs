@@ -79,7 +79,7 @@ impl Space {
     }
 }
 
-/// A hash whose lower half decides it all, so that the table can grow from stored halves.
+/// A hash whose lower half determines all of it, so that the table can grow from stored halves.
 fn hash(state: &[u32]) -> u64 {
     let mut h = 0xCBF2_9CE4_8422_2325u64;
     for &word in state {
@@ -101,7 +101,7 @@ mod tests {
 
     const BY: Move = Move { invocation: 3, alternative: 7 };
 
-    /// Enough for the table to grow many times over.
+    /// Enough states for the table to grow many times over.
     #[test]
     fn equal_states_are_found_again() {
         let mut space = Space::new();

@@ -1,7 +1,7 @@
 //! Checking a method: its instances, explored in parallel, and one row per property.
 //!
-//! Instances are explored by size. A size at which a result is wrong is the last one: larger ones would show nothing
-//! smaller. What was explored until then is every row's bound.
+//! Instances are explored by size. A size at which a result is wrong is the last one: larger sizes would not show a
+//! smaller violation. What was explored until then is the bound of every row.
 
 use std::collections::BTreeSet;
 
@@ -30,11 +30,12 @@ pub struct Plan {
     pub ks: Vec<u32>,
     /// Memory models.
     pub memory: Vec<MemoryModel>,
-    /// Progress models under which invocations must end; `None` is what the method may count on and weak fairness.
+    /// Progress models under which invocations must end; `None` is the model that the method may rely on, and weak
+    /// fairness.
     pub progress: Option<Vec<Progress>>,
-    /// Whether invocations must end as lanes of one warp, too.
+    /// Whether invocations must end also as lanes of one warp.
     pub simt: bool,
-    /// Helper invocations beside the first fragments.
+    /// Helper invocations next to the first fragments.
     pub helpers: u32,
 }
 
@@ -54,15 +55,15 @@ impl Default for Plan {
     }
 }
 
-/// The most fragments that instances have under relaxed memory, however many are asked for: states grow fast.
+/// The most fragments that instances have under relaxed memory, however many are requested: states grow fast.
 pub const MOST_RELAXED: u32 = 4;
 
-/// The most fragments for progress and reconvergence: what a lasso needs shows with three.
+/// The most fragments for progress and reconvergence: three suffice for a lasso.
 pub const MOST_PROGRESS: u32 = 3;
 
 impl Plan {
-    /// Progress models for a method. Most need those that have begun to go on; who counts on the ordered interlock,
-    /// those before them too, which is what it promises.
+    /// Progress models for a method. Most methods need invocations that have begun to be scheduled again. A method that
+    /// relies on the ordered interlock also needs those before them, which is what the interlock guarantees.
     #[must_use]
     pub fn progress_of(&self, contract: &Contract) -> Vec<Progress> {
         let begun = if contract.is_interlocked() { Progress::Lobe } else { Progress::Obe };
@@ -73,7 +74,7 @@ impl Plan {
     #[must_use]
     pub fn fragments_under(&self, contract: &Contract, memory: MemoryModel) -> u32 {
         match (self.fragments, memory) {
-            // Every update of a cell is a message: the states of a table are many.
+            // Every update of a cell is a message: a table has many states.
             (n, MemoryModel::Relaxed(_)) if contract.crosses() => n.unwrap_or(2).min(2),
             (None, MemoryModel::Sequential) => 4,
             (None, MemoryModel::Relaxed(_)) => 3,
@@ -83,20 +84,20 @@ impl Plan {
     }
 }
 
-/// Everything that exploring a method under one memory model gave.
+/// All results of exploring a method under one memory model.
 #[derive(Clone, Debug)]
 pub struct Survey {
     /// The method.
     pub subject: Subject,
     /// How it was run.
     pub conditions: Conditions,
-    /// The instances explored, smallest first, with what they gave.
+    /// The instances explored, smallest first, with their results.
     pub explored: Vec<(Litmus, Explored)>,
     /// Sizes planned and sizes explored to their end.
     pub planned: u32,
     /// The largest size explored.
     pub size: u32,
-    /// What was explored, if it was no family of instances.
+    /// What was explored, if it was not a family of instances.
     pub given: Option<String>,
     /// Operations that other instances of the method reach: file, line, column.
     pub reached_elsewhere: BTreeSet<(&'static str, u32, u32)>,
@@ -146,13 +147,13 @@ impl Survey {
         self.explored.iter().any(|(_, e)| e.violations.keys().any(|&p| p != Property::RaceFree))
     }
 
-    /// Distinct states in all.
+    /// Distinct states in total.
     #[must_use]
     pub fn states(&self) -> u64 {
         self.explored.iter().map(|(_, e)| e.states as u64).sum()
     }
 
-    /// Complete interleavings in all, if they could be counted.
+    /// Complete interleavings in total, if they could be counted.
     #[must_use]
     pub fn executions(&self) -> Option<u64> {
         let mut all = self.explored.iter().map(|(_, e)| e.executions);
@@ -228,7 +229,7 @@ impl Survey {
         let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
         let given = Some(format!("these {n} fragments{k}"));
         let explored = vec![(litmus.clone(), explored)];
-        // One pixel need not show all of the method: what it shows is only of these fragments.
+        // One pixel need not show all of the method: its verdict concerns only these fragments.
         let reached_elsewhere = sites::operations(subject.contract.source)
             .into_keys()
             .map(|(line, column)| ("", line, column))
@@ -244,7 +245,8 @@ impl Survey {
         }
     }
 
-    /// Every result of the instances with exactly so many fragments, of distinct depths on one pixel, as one row each.
+    /// Every result of the instances with exactly this many fragments, of distinct depths on one pixel, as one row
+    /// each.
     #[must_use]
     pub fn outcomes(
         subject: &Subject,
@@ -317,7 +319,7 @@ impl Survey {
         }
     }
 
-    /// The token of a violation, and what it shows, told more fully than the explorer does.
+    /// The token of a violation, and what it shows, described in more detail than by the explorer.
     fn witness(
         &self,
         property: Property,
@@ -365,7 +367,7 @@ fn pixels_told(pixels: &[Held]) -> String {
     pixels.iter().map(Held::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// The properties that can be asked of a method under a memory model.
+/// The properties that can be checked for a method under a memory model.
 #[must_use]
 pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
     let litmus = Litmus::of_one(subject.contract);
@@ -397,7 +399,7 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding
     rows
 }
 
-/// Whether every invocation ends: one row per progress model, and one for a warp whose lanes come together.
+/// Whether every invocation ends: one row per progress model, and one for a warp whose lanes reconverge.
 ///
 /// A method under which no state is met twice ends under every model, and is not explored further.
 #[must_use]
@@ -508,7 +510,7 @@ fn lasso_told(lasso: &Lasso) -> String {
         moves.iter().map(|by| run::label(usize::from(by.invocation))).collect::<String>()
     };
     if lasso.cycle.is_empty() {
-        return format!("after {} nobody can move any more", word(&lasso.stem));
+        return format!("after {} no invocation can move any more", word(&lasso.stem));
     }
     format!("never ends: {} ({})^w", word(&lasso.stem), word(&lasso.cycle))
 }

@@ -1,4 +1,4 @@
-//! The papers' claims, stated so that a machine can decide them. Verdicts are computed, never written down.
+//! The papers' claims, stated so that a machine can decide them. Verdicts are computed, never recorded.
 
 use serde::Serialize;
 
@@ -23,12 +23,12 @@ pub struct Claim {
     pub section: &'static str,
     /// What it says, as it is checked here.
     pub statement: &'static str,
-    /// The methods it is checked on; none where it needs one that does not exist yet.
+    /// The methods it is checked on; none if it needs one that does not exist yet.
     pub methods: &'static [&'static str],
     /// Which k.
     #[serde(skip)]
     ks: Ks,
-    /// The properties that it is made of: it is violated if one of them is.
+    /// The properties that make up the claim: it is violated if one of them is.
     #[serde(skip)]
     properties: &'static [Property],
 }
@@ -200,7 +200,7 @@ pub const CLAIMS: &[Claim] = &[
         "C11",
         HA,
         "5",
-        "early culling is conservative: who is culled is behind fragments that let no more light through than the \
+        "early culling is conservative: a culled fragment is behind fragments that let no more light through than the \
          threshold",
         &["ha64-cull", "ha64-cull@published"],
     ),
@@ -220,7 +220,7 @@ pub const CLAIMS: &[Claim] = &[
 /// The claim of that name.
 ///
 /// # Errors
-/// There is none; the message lists those there are.
+/// No claim has that name; the message lists those that exist.
 pub fn claim_by_id(id: &str) -> Result<&'static Claim> {
     let found = CLAIMS.iter().find(|claim| claim.id.eq_ignore_ascii_case(id));
     found.ok_or_else(|| {
@@ -230,8 +230,8 @@ pub fn claim_by_id(id: &str) -> Result<&'static Claim> {
 }
 
 impl Claim {
-    /// Compute its verdicts: one row per method of the catalogue and memory model. `only`, if it is not empty, picks methods, which need
-    /// not be among the claim's own.
+    /// Compute its verdicts: one row per method of the catalogue and memory model. `only`, if it is not empty, selects
+    /// methods, which need not be among the claim's.
     ///
     /// # Errors
     /// An unknown method.
@@ -263,7 +263,7 @@ impl Claim {
                 let conditions = Conditions { memory, warp: None };
                 let mut survey = Survey::new(&subject, &family, conditions, limits);
                 if self.ks == Ks::Ends {
-                    // The ends alone do not reach all of a method.
+                    // The end values of k alone do not reach all of a method.
                     let all = Family { ks: plan.ks.clone(), ..family };
                     survey.reached_elsewhere =
                         Survey::new(&subject, &all, conditions, limits).reached();

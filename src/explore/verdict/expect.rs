@@ -1,5 +1,5 @@
-//! Expected verdicts, for other people's continuous integration: a file says what must come out, and everything else
-//! that is violated is a surprise.
+//! Expected verdicts, for other people's continuous integration: a file lists the expected verdicts, and everything
+//! else that is violated is a surprise.
 //!
 //! ```toml
 //! [[expect]]
@@ -79,8 +79,8 @@ impl Expectation {
     }
 }
 
-/// What is not as expected: rows with another verdict than an expectation that matches them, expectations that match
-/// nothing, and violations that nobody expected. The first expectation that matches a row counts.
+/// What is not as expected: rows whose verdict differs from an expectation that matches them, expectations that match
+/// nothing, and unexpected violations. The first expectation that matches a row counts.
 #[must_use]
 pub fn surprises(expected: &[Expectation], rows: &[Finding]) -> Vec<String> {
     let mut found = Vec::new();

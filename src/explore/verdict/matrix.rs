@@ -20,7 +20,7 @@ use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
 use crate::scheme::contract::Form;
 
-/// What a check made of a variant.
+/// The result of a check on a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Kill {
     /// The check: `sc`, `progress`, `simt`, `relaxed` or `race`.
@@ -39,7 +39,7 @@ pub struct Kill {
     pub token: Option<String>,
 }
 
-/// What became of a variant.
+/// The fate of a variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fate {
@@ -71,7 +71,7 @@ impl Fate {
         }
     }
 
-    /// As it should be.
+    /// Whether it is as it should be.
     #[must_use]
     pub fn is_right(self) -> bool {
         matches!(self, Self::Green | Self::Killed | Self::Equivalent)
@@ -85,7 +85,7 @@ pub struct Line {
     pub mutation: String,
     /// The variant.
     pub method: String,
-    /// What became of it.
+    /// Its fate.
     pub fate: Fate,
     /// The checks that caught it.
     pub kills: Vec<Kill>,
@@ -93,7 +93,8 @@ pub struct Line {
     pub bound: String,
 }
 
-/// The whole matrix: every fault of the catalogue and every form that promises to be correct; or the faults of one id.
+/// The whole matrix: every fault of the catalogue and every form that promises to be correct; or only the faults of one
+/// id.
 ///
 /// # Errors
 /// There is no such fault, or it is not built in.
@@ -147,7 +148,7 @@ fn control(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Line {
     examined.line("control", fate)
 }
 
-/// A fault, beside the form that it was put into.
+/// A fault, compared with the form that it was put into.
 fn fault(
     catalogue: &Catalogue,
     id: &str,
@@ -169,7 +170,7 @@ fn fault(
     Ok(examined.line(id, fate))
 }
 
-/// A variant after all checks.
+/// A variant with the results of all checks.
 struct Examined {
     subject: Subject,
     surveys: Vec<Survey>,
@@ -244,7 +245,7 @@ impl Examined {
         }
     }
 
-    /// The same outcomes on every instance, under every memory model.
+    /// Whether both have the same outcomes on every instance, under every memory model.
     fn equals(&self, other: &Self) -> bool {
         self.surveys.len() == other.surveys.len()
             && self.surveys.iter().zip(&other.surveys).all(|(a, b)| {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Holds, within the bound that stands beside it.
+    /// Holds, within the stated bound.
     Verified,
     /// A bound was hit, or something was never reached.
     Unknown,
@@ -51,7 +51,7 @@ pub struct Finding {
     pub bound: String,
     /// `sc` or `relaxed`.
     pub memory: String,
-    /// What a shading language makes of orders, under `relaxed`.
+    /// The shading language's profile, under `relaxed`.
     pub profile: Option<String>,
     /// The progress model, for termination.
     pub progress: Option<String>,
@@ -67,7 +67,7 @@ pub struct Finding {
     pub token: Option<String>,
     /// Its steps.
     pub steps: Option<u64>,
-    /// What is wrong, or what keeps the verdict from being more.
+    /// What is wrong, or why the verdict is not stronger.
     pub message: String,
     /// All results of the failing instance, where they differ: per pixel, depth/data.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -1,16 +1,16 @@
-//! Which operations a method's source has, so that a check can say which of them it never reached.
+//! Which operations a method's source has, so that a check can report which of them it never reached.
 //!
 //! An operation is a call that is awaited; the memory that asks knows each by line and column of the called name
 //! ([`std::panic::Location`]), and here the same places are read from the source's text. Clear, resolve and invariant
-//! are left out, and so is what stands behind a constant of a variant (`if V::SECOND_TEST`), of which a method has one
-//! side only.
+//! are left out, and so is code guarded by a constant of a variant (`if V::SECOND_TEST`), of which a method has only
+//! one branch.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A place in a file: line and column, from 1.
 pub(super) type Place = (u32, u32);
 
-/// Parts that several methods share: a call of theirs is no operation, but has some.
+/// Parts that several methods share: a call of theirs is not an operation, but contains some.
 const SHARED: [&str; 4] = [
     include_str!("../../scheme/parts/ends.rs"),
     include_str!("../../scheme/parts/max_array.rs"),
@@ -30,7 +30,7 @@ pub(super) fn operations(source: &str) -> BTreeMap<Place, String> {
             code.contains(&format!("async fn {text}("))
                 || code.contains(&format!("async fn {text}<"))
         };
-        // Memory's own `store` is none of the scheme's.
+        // Memory's own `store` is not one of the scheme's.
         let of_memory = code.chars[..name.start].ends_with(&['m', 'e', 'm', '.']);
         let local = !of_memory && (defines(&code.text) || SHARED.iter().any(|part| defines(part)));
         if text == "merge" || local || skipped.iter().any(|range| range.contains(&name.start)) {
@@ -41,7 +41,7 @@ pub(super) fn operations(source: &str) -> BTreeMap<Place, String> {
     found
 }
 
-/// The operations that were not reached: of the file whose places fit best.
+/// The operations that were not reached: in the file whose places fit best.
 pub(super) fn missed(
     source: &str,
     reached: &BTreeSet<(&'static str, u32, u32)>,
@@ -127,16 +127,30 @@ impl Code {
                 ranges.extend(begins.into_iter().map(|at| at..self.body_end(at)));
             }
         }
+        let parameters = self.parameters();
         for word in ["if ", "match "] {
             for at in self.find_all(word) {
                 let head_end = until(&self.chars, at, |c, _| c == '{');
                 let head = &self.chars[at..head_end];
-                if is_constant(head) {
+                if is_constant(head) || parameters.iter().any(|name| names(head, name)) {
                     ranges.push(at..self.chain_end(at));
                 }
             }
         }
         ranges
+    }
+
+    /// The names of constant parameters: of `<const BROKEN: bool>`, `BROKEN`.
+    fn parameters(&self) -> Vec<String> {
+        let word = |from: usize| -> String {
+            self.chars[from..].iter().take_while(|c| c.is_alphanumeric() || **c == '_').collect()
+        };
+        let is_parameter = |at: &usize| {
+            let before = self.chars[..*at].iter().rev().find(|c| !c.is_whitespace());
+            matches!(before, Some('<' | ','))
+        };
+        let all = self.find_all("const ").into_iter().filter(is_parameter);
+        all.map(|at| word(at + "const ".len())).collect()
     }
 
     /// The end of the first pair of braces after `at`.
@@ -186,6 +200,12 @@ fn is_constant(head: &[char]) -> bool {
     text.match_indices("::").any(|(i, _)| constant(&text[i + 2..]) && is_parameter(&text[..i]))
 }
 
+/// Whether a condition has this word in it.
+fn names(head: &[char], word: &str) -> bool {
+    let text: String = head.iter().collect();
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|part| part == word)
+}
+
 /// The first place from `at` on where `ends` holds for a character and the one before.
 fn until(chars: &[char], at: usize, ends: impl Fn(char, char) -> bool) -> usize {
     (at..chars.len())
@@ -224,6 +244,21 @@ impl S {
         assert_eq!(names, ["load", "store", "try_acquire", "entry", "after", "min"]);
         let places: Vec<Place> = found.keys().copied().collect();
         assert_eq!(places, [(6, 21), (7, 13), (8, 22), (9, 14), (15, 14), (17, 34)]);
+    }
+
+    #[test]
+    fn what_depends_on_a_constant_parameter_is_left_out() {
+        let source = "impl<const ATOMIC: bool, const N: u32> S<ATOMIC, N> {
+            async fn store(&self) {
+                if ATOMIC { mem.add(1).await } else { mem.load(1).await }
+                if ATOMICS { mem.min(1).await }
+                match N { 0 => mem.max(1).await, _ => {} }
+                const LIMIT: u32 = 3;
+                if LIMIT > 2 { mem.store(2).await }
+            }
+        }";
+        let names: Vec<String> = operations(source).into_values().collect();
+        assert_eq!(names, ["min", "store"]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a device gave, against what must be there, pixel by pixel.
+//! A device's results against the expected ones, pixel by pixel.
 
 use serde::Serialize;
 
@@ -27,12 +27,12 @@ pub struct Differences {
     pub duplicated: u64,
     /// Made of two fragments.
     pub torn: u64,
-    /// Pixels with what the contract does not allow.
+    /// Pixels with a result that the contract does not allow.
     pub not_allowed: u64,
 }
 
 impl Differences {
-    /// Add another's.
+    /// Add another's counts.
     pub fn add(&mut self, other: &Self) {
         self.fragments += other.fragments;
         self.coverage_differences += other.coverage_differences;
@@ -45,7 +45,7 @@ impl Differences {
         self.not_allowed += other.not_allowed;
     }
 
-    /// Nothing differs.
+    /// Whether nothing differs.
     #[must_use]
     pub fn is_equal(&self) -> bool {
         self.coverage_differences
@@ -56,7 +56,7 @@ impl Differences {
     }
 }
 
-/// Compare everything. `k` is the method's.
+/// Compare everything. `k` is the method's k.
 #[must_use]
 pub fn compare(
     contract: &Contract,
@@ -96,9 +96,9 @@ fn judge(contract: &Contract, k: Option<u32>, generated: &[u64], found: &[u64]) 
     judgement
 }
 
-/// Whether the contract allows a pixel that is not as the exact one: some kept set of as many real fragments where that
-/// depends on arrival, other fragments of the same depths where those are told from each other only by depth, and
-/// whatever a race may do to one that races.
+/// Whether the contract allows a pixel that differs from the exact one: any kept set of the same number of real
+/// fragments if the contract depends on arrival, other fragments of the same depths if only depth distinguishes them,
+/// and any result of a race if the method races.
 fn is_allowed(contract: &Contract, judged: &Judgement, right: &[u64], found: &[u64]) -> bool {
     if contract.has_right_depths() {
         let depths = |keys: &[u64]| keys.iter().copied().map(depth_of).collect::<Vec<_>>();
@@ -113,7 +113,7 @@ fn is_allowed(contract: &Contract, judged: &Judgement, right: &[u64], found: &[u
         && found.len() == right.len()
 }
 
-/// What two sorted lists do not have in common.
+/// The differences between two sorted lists.
 fn unmatched(right: &[u64], found: &[u64]) -> [Vec<u64>; 2] {
     let mut found = found.to_vec();
     found.sort_unstable();
@@ -136,7 +136,7 @@ fn unmatched(right: &[u64], found: &[u64]) -> [Vec<u64>; 2] {
     [missing, extra]
 }
 
-/// How many of both have the same data word.
+/// How many elements of both have the same data word.
 fn same_data(missing: &[u64], extra: &[u64]) -> u64 {
     let words = |keys: &[u64]| {
         let mut words: Vec<u32> = keys.iter().map(|&key| data_of(key)).collect();

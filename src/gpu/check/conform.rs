@@ -1,6 +1,6 @@
-//! Twin conformance: invocations of litmus pixels one at a time, in every order, on the device and in the simulator; after
-//! each, all words are the same, and so is what the invocation said of its fragment. So a verdict about the one speaks
-//! for the other, as far as single invocations go.
+//! Twin conformance: invocations of litmus pixels one at a time, in every order, on the device and in the simulator;
+//! after each, all words must be the same, and so must the invocation's outcome for its fragment. So a verdict about
+//! one holds for the other, as far as single invocations are concerned.
 
 use serde::Serialize;
 use wgpu::{BufferUsages, ShaderStages};
@@ -26,10 +26,10 @@ use crate::scheme::contract::{Contract, PassKind};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::{Config, Outcome};
 
-/// Room of a fragment in its buffer: what devices want offsets to be multiples of.
+/// Room for a fragment in its buffer: the alignment that devices require of offsets.
 const SLOT: u64 = 256;
 
-/// What was compared on a device, of one method.
+/// What was compared on a device for one method.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Conformance {
     /// The adapter.
@@ -46,7 +46,7 @@ pub struct Conformance {
     pub steps: u64,
     /// Words compared.
     pub words: u64,
-    /// What differs first, if anything does.
+    /// The first difference, if any.
     pub difference: Option<String>,
     /// Why nothing could be compared.
     pub unsupported: Option<String>,
@@ -67,7 +67,7 @@ impl Default for Extent {
     }
 }
 
-/// One step: what runs, and nothing else does.
+/// One step; nothing else runs during it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Clear,
@@ -91,7 +91,7 @@ fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
     Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
 }
 
-/// All words by binding, and what a store invocation said.
+/// All words by binding, and a store invocation's outcome.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Seen {
     words: [Vec<u8>; 4],
@@ -148,7 +148,7 @@ fn bytes<T: bytemuck::NoUninit>(words: &[T]) -> Vec<u8> {
 /// Compare a twin with its method.
 ///
 /// # Errors
-/// The device is lost. What it cannot do is said in the result.
+/// The device is lost. The result says what it cannot do.
 pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformance> {
     let subject = Subject::new(twin.method)?;
     let mut sum = Conformance {
@@ -160,7 +160,7 @@ pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformanc
     for (group, litmus) in programs(&subject, extent) {
         let mut shape = Shape::new(twin.method, litmus.config(subject.contract))?;
         shape.inputs = litmus.inputs(&shape.layout);
-        // What is stored is given, in the method's own format.
+        // The stored fragments are given, in the method's own format.
         let record = Record { depth: Format::D32, data: Data::Color };
         let constants = constants(&shape, record, [0; 3]);
         match Program::new(device, twin, shape, constants) {
@@ -180,7 +180,7 @@ pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformanc
     Ok(sum)
 }
 
-/// Litmus pixels by configuration and inputs, each group with its first one; of many, some, evenly chosen.
+/// Litmus pixels by configuration and inputs, each group with its first one. Of many, an evenly spaced selection.
 fn programs(subject: &Subject, extent: Extent) -> Vec<(Vec<Litmus>, Litmus)> {
     let family = Family { fragments: extent.fragments, ks: vec![1, 2, 3], helpers: 0 };
     let mut programs: Vec<(Vec<Litmus>, Litmus)> = Vec::new();
@@ -294,7 +294,7 @@ impl<'a, 'd> Bench<'a, 'd> {
         Ok(())
     }
 
-    /// Run all orders on the device; all words after every step.
+    /// Run all orders on the device, and give all words after every step.
     fn run(&self, runs: &[Vec<Step>]) -> Result<Vec<Vec<Seen>>> {
         let (device, shape) = (self.program.device, &self.program.shape);
         let sizes: [u64; 4] = std::array::from_fn(|binding| shape.bytes(binding as u32));
@@ -384,7 +384,7 @@ fn difference(right: &Seen, found: &Seen) -> String {
     format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome)
 }
 
-/// All orders of so many things.
+/// All permutations of `n` things.
 fn permutations(n: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
     for i in 0..n {

@@ -1,4 +1,4 @@
-//! Scenes on devices, against what must be there.
+//! Scenes on devices, against the expected results.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use crate::scheme::contract::Contract;
 use serde::Serialize;
 
-/// How fragments come to the store pass.
+/// How fragments reach the store pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Path {
@@ -42,13 +42,13 @@ impl fmt::Display for Path {
     }
 }
 
-/// What came of a comparison.
+/// The result of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// No difference.
     Equal,
-    /// Differences; whether they are allowed is said in the reason.
+    /// Differences; the reason says whether they are allowed.
     Different,
     /// The device cannot run it.
     Unsupported,
@@ -69,20 +69,20 @@ pub struct Agreement {
     pub scene: String,
     /// Pixels across and down.
     pub size: [u32; 2],
-    /// How fragments came.
+    /// How fragments reached the store pass.
     pub path: Path,
     /// Sub-pixel bits that vertices were snapped to.
     pub sub_pixel_bits: u32,
     /// The counts.
     #[serde(flatten)]
     pub differences: Differences,
-    /// Fragments on the raster path that went the compute way.
+    /// Fragments of the raster path that took the compute path.
     pub by_compute: u64,
-    /// Invocations that gave up waiting for a lock, and were run again, the compute way.
+    /// Invocations that gave up waiting for a lock and were rerun on the compute path.
     pub repeated: u64,
     /// Equal, different, unsupported or failed.
     pub status: Status,
-    /// Why; or what equality does not prove.
+    /// The reason, or what equality does not prove.
     pub reason: String,
     /// A difference that the method's contract does not allow, or a failure.
     #[serde(skip)]
@@ -90,14 +90,14 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// There was something to compare.
+    /// Whether there was something to compare.
     #[must_use]
     pub fn is_compared(&self) -> bool {
         matches!(self.status, Status::Equal | Status::Different)
     }
 }
 
-/// What is to be compared.
+/// What to compare.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// The twins.
@@ -119,7 +119,7 @@ impl Default for Options {
 /// The twin of a method.
 ///
 /// # Errors
-/// It has none.
+/// It has no twin.
 pub fn find(method: Method) -> error::Result<Twin> {
     twin(method).ok_or_else(|| {
         let names: Vec<&str> = twins().iter().map(|twin| twin.method.name()).collect();
@@ -128,13 +128,13 @@ pub fn find(method: Method) -> error::Result<Twin> {
     })
 }
 
-/// What a method stores in comparisons: exact depths as far as its records have room, and triangles if they do.
+/// What a method stores in comparisons: depths as exact as its records have room for, and triangles if they have room.
 #[must_use]
 pub fn record(contract: &Contract) -> Record {
     contract.record(None, Data::Primitive)
 }
 
-/// Draw a scene with every method on every path, and compare. Where the device is lost, the remaining rows say so.
+/// Draw a scene with every method on every path, and compare. If the device is lost, the remaining rows say so.
 ///
 pub fn run(
     device: &Device,
@@ -207,7 +207,7 @@ impl BandRun<'_> {
 
     fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64, u64)> {
         if self.device.is_lost() {
-            return Err(Failure::Lost("by an earlier run; this one was not begun".to_owned()));
+            return Err(Failure::Lost("by an earlier run; this one was not started".to_owned()));
         }
         let record = record(self.contract);
         let shape = Shape::new(self.twin.method, band.config(self.contract, self.k))?;
@@ -269,7 +269,7 @@ impl BandRun<'_> {
             }
             let [lost, duplicated, torn] = [sum.lost, sum.duplicated, sum.torn];
             let why = if self.contract.has_right_depths() {
-                "of equal depths any may stand"
+                "any of several fragments of equal depth may be kept"
             } else if self.contract.is_racy() {
                 "it races"
             } else {
@@ -292,7 +292,7 @@ impl BandRun<'_> {
     }
 }
 
-/// What a row says whose run ended early: its status, whether it is a finding, and the reason.
+/// The contents of a row whose run ended early: its status, whether it is a finding, and the reason.
 #[must_use]
 pub fn failed(failure: &Failure) -> (Status, bool, String) {
     match failure {

@@ -1,4 +1,4 @@
-//! Which devices take part, and what their rasterizers are like.
+//! The devices that take part, and the precision of their rasterizers.
 
 use crate::error::{Error, Result};
 use crate::gpu::check::crosscheck::{Options, Path};
@@ -15,7 +15,7 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// The precision that vertices are snapped to for this device: the largest of ours that it has.
+    /// The precision that vertices are snapped to for this device: the largest of ours that it supports.
     #[must_use]
     pub fn bits(&self) -> u32 {
         match self.measured {
@@ -24,7 +24,7 @@ impl Opened {
         }
     }
 
-    /// Why the raster path is out of question, if it is and was asked for.
+    /// Why the raster path is impossible, if it is and was requested.
     #[must_use]
     pub fn no_raster(&self, options: &Options) -> Option<Failure> {
         if !options.paths.contains(&Path::Raster) {
@@ -64,7 +64,7 @@ pub struct Devices {
 /// second is called `NAME (2)`, and so on.
 ///
 /// # Errors
-/// There is none, or none can be opened, and what would help.
+/// No adapter exists or none can be opened; the message says what would help.
 pub fn devices(wanted: Option<&str>) -> Result<Devices> {
     let mut found = Devices::default();
     let mut names = Vec::new();
@@ -95,13 +95,13 @@ pub fn devices(wanted: Option<&str>) -> Result<Devices> {
     }
 }
 
-/// What to say where there is no adapter.
+/// The error for a missing adapter.
 #[must_use]
 pub fn none(wanted: Option<&str>) -> Error {
     let help = "install a Vulkan driver: on Debian, mesa-vulkan-drivers (lavapipe), or chromium-common (SwiftShader; \
                 VK_ADD_DRIVER_FILES=/usr/lib/chromium/vk_swiftshader_icd.json lets the loader find it)";
     match wanted {
-        Some(wanted) => Error::new("--adapter", format!("there is none called '{wanted}'; {help}")),
-        None => Error::new("--adapter", format!("there is none; {help}")),
+        Some(wanted) => Error::new("--adapter", format!("no adapter is called '{wanted}'; {help}")),
+        None => Error::new("--adapter", format!("no adapter is available; {help}")),
     }
 }

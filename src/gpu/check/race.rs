@@ -1,6 +1,6 @@
-//! The same scheme on the simulator and on a device, by turns: clear, all geometry passes, resolve and composite, of the
-//! same fragments. What is set up once for a scene (triangles, buffers, pipelines) is not timed on either side, and
-//! neither is what is fetched or compared.
+//! The same scheme on the simulator and on a device, alternating: clear, all geometry passes, resolve and composite,
+//! with the same fragments. What is set up once for a scene (triangles, buffers, pipelines) is not timed on either
+//! side, and neither is what is fetched or compared.
 
 use super::crosscheck::record;
 use crate::exec::clock::Stopwatch;
@@ -12,7 +12,7 @@ use crate::gpu::twin::raster::{Raster, Triangles};
 use crate::gpu::twin::resolve::Resolve;
 use crate::gpu::twin::source::Twin;
 
-/// A scene on a device, ready to be drawn again and again. It must fit the device at once.
+/// A scene on a device, ready to be drawn repeatedly. It must fit the device as a whole.
 #[derive(Debug)]
 pub struct Contender<'d> {
     band: Band<'d>,
@@ -24,7 +24,7 @@ impl<'d> Contender<'d> {
     /// Set everything up.
     ///
     /// # Errors
-    /// The device lacks something, or the scene does not fit it at once.
+    /// The device lacks something, or the scene does not fit it as a whole.
     pub fn new(
         device: &'d Device,
         picture: &'d Picture,
@@ -44,7 +44,7 @@ impl<'d> Contender<'d> {
     /// Seconds of `runs` frames, after one that is not timed.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn seconds(
         &self,
         k: Option<u32>,

@@ -1,5 +1,5 @@
 //! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
-//! together or far apart; what comes out is counted against every outcome that the explorer finds.
+//! together or far apart. The outcomes are counted against every outcome that the explorer finds.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,7 +45,7 @@ impl Default for Extent {
     }
 }
 
-/// What a method's litmus pixels gave on a device.
+/// The results of a method's litmus pixels on a device.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Stressed {
     /// The adapter.
@@ -58,28 +58,28 @@ pub struct Stressed {
     pub instances: u64,
     /// Litmus pixels that have too many states to be explored, and were not run.
     pub unexplored: u64,
-    /// Copies run, in all.
+    /// Copies run, in total.
     pub runs: u64,
     /// Outcomes that the explorer finds, over all instances.
     pub possible: u64,
-    /// Those of them that were seen.
+    /// Those of them that were observed.
     pub seen: u64,
     /// Runs whose outcome is that of no interleaving, but which relaxed memory allows.
     pub relaxed: u64,
-    /// Runs whose outcome nothing explains that was explored.
+    /// Runs whose outcome no explored execution explains.
     pub outside: u64,
-    /// The first of them: the litmus pixel, and what came out.
+    /// The first of them: the litmus pixel and the outcome.
     pub first_outside: Option<String>,
-    /// Equal: no run was outside.
+    /// Equal if no run was outside.
     pub status: Status,
-    /// Why not; or what it does not prove.
+    /// The reason, or what equality does not prove.
     pub reason: String,
 }
 
 /// Run a twin's litmus pixels.
 ///
 /// # Errors
-/// The device is lost. What it cannot do is said in the result.
+/// The device is lost. The result says what it cannot do.
 pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let subject = Subject::new(twin.method)?;
     let contract = subject.contract;
@@ -119,7 +119,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let mut tally: BTreeMap<Vec<u64>, u64> =
             explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
         if contract.crosses() {
-            // Copies share one table, in which all find room: so must they in the table that is explored.
+            // Copies share one table in which all find room, so they must all find room in the explored table too.
             let mut all = litmus.generated(0);
             contract.keep(&mut all, None);
             if !tally.keys().eq([&all]) {
@@ -144,7 +144,8 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     if sum.outside > 0 {
         sum.status = Status::Different;
         let first = sum.first_outside.clone().unwrap_or_default();
-        sum.reason = format!("{} runs that nothing explored explains, first {first}", sum.outside);
+        sum.reason =
+            format!("{} runs that no explored execution explains, first {first}", sum.outside);
     } else if sum.relaxed > 0 {
         sum.status = Status::Different;
         sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
@@ -153,7 +154,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let seen = sum.seen < sum.possible;
         let reasons = [
             (!guaranteed, "not guaranteed by WGSL"),
-            (seen, "not every outcome was seen: a device may run what it likes"),
+            (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];
         let holding = reasons.iter().filter(|(holds, _)| *holds).map(|(_, why)| *why);
@@ -163,7 +164,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
 }
 
 impl Stressed {
-    /// Outcomes of no interleaving: those that relaxed memory allows, and the others.
+    /// Sort outcomes of no interleaving into those that relaxed memory allows, and the others.
     fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Vec<u64>, u64>) {
         if others.is_empty() {
             return;
@@ -187,7 +188,7 @@ impl Stressed {
     }
 }
 
-/// Run an instance; what came out that is not in the tally.
+/// Run an instance, and give the outcomes that are not in the tally.
 fn run(
     device: &Device,
     twin: Twin,
@@ -221,7 +222,7 @@ fn run(
     for repeat in 0..extent.repeats {
         for order in [Arrangement::Together, Arrangement::Apart, Arrangement::Shuffled] {
             let fragments = order.arrange(litmus, repeat);
-            // The explorer tries both, wherever a word is read that nobody wrote.
+            // The explorer tries both wherever a word is read that was never written.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
             program.run(|function| program.compute(function, &fragments))?;
@@ -238,7 +239,7 @@ fn run(
     Ok(others)
 }
 
-/// Where the fragments of a pixel stand among all.
+/// The positions of a pixel's fragments among all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Arrangement {
     /// In neighbouring lanes.
@@ -261,7 +262,7 @@ impl Arrangement {
         };
         let mut random = Random::new(seed, 0);
         match self {
-            // Also in other orders than that of the litmus pixel.
+            // Also in orders other than that of the litmus pixel.
             Self::Together => all.chunks_mut(own.len()).for_each(|own| random.shuffle(own)),
             Self::Apart => random.shuffle(&mut all[..COPIES as usize]),
             Self::Shuffled => random.shuffle(&mut all),

@@ -1,8 +1,8 @@
-//! A device: buffers, pipelines, and work that is waited for, but not for ever.
+//! A device: buffers, pipelines, and work that is waited for, but not forever.
 //!
-//! Nothing here panics on what a driver does. wgpu tells errors to a callback; the first one is kept, and the next call
-//! that can fail returns it. Whoever cuts work into submissions keeps each of them small, so that a device that hangs is
-//! noticed, left alone, and never dropped, since that would wait for it again.
+//! Nothing here panics on what a driver does. wgpu reports errors to a callback; the first one is kept, and the next
+//! call that can fail returns it. A caller that cuts work into submissions keeps each of them small, so that a hanging
+//! device is noticed. Such a device is left alone and never dropped, since dropping would wait for it again.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -12,10 +12,10 @@ use wgpu::{BufferUsages, Features, PollType};
 
 use super::failure::{Failure, Result};
 
-/// How long a submission may take unless somebody says so, in seconds.
+/// How long a submission may take by default, in seconds.
 pub const PATIENCE: u64 = 120;
 
-/// What an adapter says of itself.
+/// How an adapter describes itself.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AdapterName {
     /// Its name.
@@ -28,7 +28,7 @@ pub struct AdapterName {
     pub kind: String,
 }
 
-/// All adapters that there are, software ones too.
+/// All available adapters, including software ones.
 #[must_use]
 pub fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
@@ -37,7 +37,7 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
     pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY))
 }
 
-/// What an adapter says of itself.
+/// How an adapter describes itself.
 #[must_use]
 pub fn name(adapter: &wgpu::Adapter) -> AdapterName {
     let info = adapter.get_info();
@@ -53,11 +53,11 @@ pub fn name(adapter: &wgpu::Adapter) -> AdapterName {
 /// An open device.
 #[derive(Debug)]
 pub struct Device {
-    /// Which.
+    /// Its name.
     pub name: AdapterName,
     /// Atomic operations on 64 bits.
     pub atomics64: bool,
-    /// What it has room for.
+    /// Its limits.
     pub limits: wgpu::Limits,
     /// How long a submission may take, in seconds.
     pub patience: u64,
@@ -92,10 +92,10 @@ fn failure_of(error: wgpu::Error) -> Failure {
 }
 
 impl Device {
-    /// Open an adapter with all that its methods can use.
+    /// Open an adapter with every feature that methods can use.
     ///
     /// # Errors
-    /// It refuses.
+    /// The adapter refuses.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self> {
         let all64 = Features::SHADER_INT64 | Features::SHADER_INT64_ATOMIC_ALL_OPS;
         let small64 = Features::SHADER_INT64_ATOMIC_MIN_MAX;
@@ -129,16 +129,16 @@ impl Device {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Whether the device can be used no more.
+    /// Whether the device can no longer be used.
     #[must_use]
     pub fn is_lost(&self) -> bool {
         self.failure().is_some_and(|failure| failure.is_fatal())
     }
 
-    /// What went wrong since the last call, if anything did. Only what is fatal stays.
+    /// What went wrong since the last call, if anything did. Only a fatal error stays.
     ///
     /// # Errors
-    /// That.
+    /// That error.
     pub fn check(&self) -> Result<()> {
         let mut slot = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         match slot.take() {
@@ -190,7 +190,7 @@ impl Device {
     /// A shader module; naga has validated it when this returns.
     ///
     /// # Errors
-    /// It is refused.
+    /// The module is refused.
     pub fn module(&self, label: &str, text: &str) -> Result<wgpu::ShaderModule> {
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
@@ -199,7 +199,7 @@ impl Device {
         self.check().map(|()| module)
     }
 
-    /// Commands to be recorded.
+    /// A recorder for commands.
     #[must_use]
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
@@ -208,7 +208,7 @@ impl Device {
     /// Run commands, and wait for them.
     ///
     /// # Errors
-    /// Whatever the device says; or it says nothing within [`Self::patience`] seconds.
+    /// Any error of the device, or no answer within [`Self::patience`] seconds.
     pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
         let index = self.queue.submit([encoder.finish()]);
         self.wait(Some(index))
@@ -253,7 +253,7 @@ impl Device {
 mod tests {
     use super::*;
 
-    /// What wgpu says when there is no memory is one of our failures, after which the device goes on; the first counts.
+    /// wgpu's out-of-memory error becomes one of our failures, after which the device goes on; the first one counts.
     #[test]
     fn out_of_memory_is_a_failure_that_passes() {
         let slot = Mutex::new(None);

@@ -1,4 +1,4 @@
-//! What stands between wgpu and the rest: adapters, waiting for them, and what can go wrong.
+//! The layer between wgpu and the rest: adapters, waiting for them, and their failures.
 
 pub mod device;
 pub mod failure;

@@ -1,4 +1,4 @@
-//! A scene, cut into bands of tile rows that a device has room for, with what every pixel of them must hold.
+//! A scene cut into bands of tile rows that a device has room for, with what each of their pixels must hold.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -22,7 +22,7 @@ use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
 use crate::scheme::{Config, exact};
 
-/// Tile edge: small, so that bands can be.
+/// Tile edge: small, so that bands can be small.
 const TILE: u32 = 16;
 
 /// Fragments of a band, unless one row of tiles has more.
@@ -36,10 +36,10 @@ const RECORD: Record = Record { depth: Format::D32, data: Data::Primitive };
 pub struct Picture {
     /// Its primitives, with corners.
     pub front: FrontEnd,
-    /// What lies behind, linear 16-bit.
+    /// The background, linear 16-bit.
     pub background: [u16; 3],
-    /// What a device looks colours up in: the linear 16-bit values at which sRGB bytes begin, 256 of them; then a colour
-    /// for every triangle, its own at one of its pixels.
+    /// The table in which a device looks up colours: the 256 linear 16-bit values at which sRGB bytes begin; then a
+    /// colour for every triangle, its own at one of its pixels.
     pub palette: Vec<u32>,
     bands: Vec<Range<usize>>,
 }
@@ -71,7 +71,7 @@ impl Picture {
         Band::new(self, 0..self.front.grid.tiles() / self.front.grid.columns().max(1) as usize)
     }
 
-    /// Its bands, one after another: each is made when it is asked for.
+    /// Its bands, one after another: each is made on demand.
     pub fn bands(&self) -> impl Iterator<Item = Band<'_>> {
         self.bands.iter().map(|rows| Band::new(self, rows.clone()))
     }
@@ -97,7 +97,7 @@ fn bands(front: &FrontEnd) -> Vec<Range<usize>> {
     bands
 }
 
-/// Some rows of tiles: a picture of its own, as far as a method is concerned.
+/// Some rows of tiles: for a method, a picture of its own.
 #[derive(Clone, Debug)]
 pub struct Band<'p> {
     /// Of this picture.
@@ -108,7 +108,7 @@ pub struct Band<'p> {
     pub grid: Grid,
     /// All fragments of every storage pixel, exact depth and triangle, sorted.
     lists: Vec<Vec<u64>>,
-    /// What was asked for already.
+    /// The answers given so far.
     answers: RefCell<Vec<(Question, Rc<Expected>)>>,
 }
 
@@ -174,7 +174,7 @@ impl<'p> Band<'p> {
         ])
     }
 
-    /// What a method is configured with, to draw the band.
+    /// The configuration of a method that draws the band.
     #[must_use]
     pub fn config(&self, contract: &Contract, k: Option<u32>) -> Config {
         let k = k.or(contract.default_k);
@@ -291,7 +291,7 @@ fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
 /// Records of every storage pixel, one after another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lists {
-    /// Where each pixel's begin; one more than there are pixels.
+    /// Where each pixel's records begin; one entry more than there are pixels.
     pub starts: Vec<u32>,
     /// All records.
     pub keys: Vec<u64>,
@@ -314,7 +314,7 @@ impl Lists {
         &self.keys[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
     }
 
-    /// Pixels.
+    /// How many pixels there are.
     #[must_use]
     pub fn pixels(&self) -> usize {
         self.starts.len() - 1
@@ -326,7 +326,7 @@ impl Lists {
 pub struct Expected {
     /// What was generated, sorted.
     pub generated: Lists,
-    /// What is kept of it, front to back.
+    /// What is kept, front to back.
     pub kept: Lists,
     /// The pixels' colours, sRGB RGBA8.
     pub colors: Vec<u32>,

@@ -1,5 +1,5 @@
-//! Twins: the WGSL text of a method, the program of its passes, scenes cut to what a device has room for, fragments from
-//! the device's rasterizer, and lists, resolved.
+//! Twins: the WGSL text of a method, the program of its passes, scenes cut to fit a device, fragments from the device's
+//! rasterizer, and lists, resolved.
 
 pub mod band;
 pub mod program;

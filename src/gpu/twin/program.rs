@@ -25,38 +25,38 @@ const ROW: u64 = 32_768;
 /// Fragments of one submission on the compute path.
 pub const CHUNK: usize = 1 << 20;
 
-/// How often an invocation is run that gives up waiting.
+/// How often an invocation that gives up waiting is run.
 const PATIENCE: u32 = 1_000;
 
-/// What an invocation says that gave up (`shared/fragment.wgsl`).
+/// The outcome of an invocation that gave up (`shared/fragment.wgsl`).
 const STUCK: u32 = 7;
 
-/// Room that every buffer of words has beyond them: a struct in WGSL ends with an array of at least one element.
+/// Extra room at the end of every buffer of words: a struct in WGSL ends with an array of at least one element.
 const SPARE: u64 = 64;
 
 /// The binding of the first group that has the words of all inputs, one after another.
 const INPUTS: u32 = 5;
 
-/// What a method's type says: its words, and how many invocations its passes over the frame have.
+/// What a method's type determines: its words, and how many invocations its passes over the frame have.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Its contract.
     pub contract: &'static Contract,
-    /// What it is configured with.
+    /// Its configuration.
     pub config: Config,
     /// Its words.
     pub layout: Layout,
     /// By pass of the program.
     pub invocations: Vec<u32>,
-    /// The words of its inputs; their defaults, unless somebody fills them.
+    /// The words of its inputs; their defaults, unless they are filled.
     pub inputs: Inputs,
 }
 
 impl Shape {
-    /// Of a method with a configuration.
+    /// The shape of a method with a configuration.
     ///
     /// # Errors
-    /// It is the oracle, which has no passes.
+    /// The method is the oracle, which has no passes.
     pub fn new(method: Method, config: Config) -> error::Result<Self> {
         let contract = method.contract();
         let instance = method.instance(&config).ok_or_else(|| {
@@ -104,7 +104,7 @@ impl Shape {
     }
 }
 
-/// What stands before a twin.
+/// The constants before a twin.
 #[must_use]
 pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constants {
     let config = &shape.config;
@@ -166,9 +166,9 @@ pub struct Bound<'a> {
     pub buffer: &'a wgpu::Buffer,
     /// Its part: offset and size in bytes.
     pub part: Option<(u64, u64)>,
-    /// How it is seen.
+    /// The kind of access.
     pub kind: wgpu::BufferBindingType,
-    /// Where it is seen.
+    /// The shader stages that see it.
     pub stages: ShaderStages,
 }
 
@@ -184,7 +184,7 @@ impl<'a> Bound<'a> {
 /// A storage buffer that can be written.
 pub const WRITABLE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: false };
 
-/// A storage buffer that cannot.
+/// A storage buffer that cannot be written.
 pub const READABLE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
 
 /// Make a group.
@@ -235,9 +235,9 @@ pub struct Program<'d> {
     _inputs: Option<wgpu::Buffer>,
     pub(in crate::gpu) words_group: Group,
     module: wgpu::ShaderModule,
-    /// Invocations that gave up waiting, and were run again.
+    /// Invocations that gave up waiting and were rerun.
     again: Cell<u64>,
-    /// What was compiled, by entry point and overrides.
+    /// The compiled passes, by entry point and overrides.
     passes: RefCell<BTreeMap<String, Dispatch>>,
 }
 
@@ -310,7 +310,7 @@ impl<'d> Program<'d> {
         })
     }
 
-    /// Invocations so far that gave up waiting, for a lock or for a compare-exchange, and were run again.
+    /// Invocations so far that gave up waiting, for a lock or for a compare-exchange, and were rerun.
     #[must_use]
     pub fn again(&self) -> u64 {
         self.again.get()
@@ -356,7 +356,7 @@ impl<'d> Program<'d> {
         Ok(pass)
     }
 
-    /// Have so many invocations of a pass run.
+    /// Run this many invocations of a pass.
     pub fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -378,7 +378,7 @@ impl<'d> Program<'d> {
         compute.dispatch_workgroups(across as u32, down as u32, 1);
     }
 
-    /// Give every byte of every word this value, before the clear pass.
+    /// Set every byte of every word to this value, before the clear pass.
     pub fn fill(&self, byte: u8) {
         for (_, buffer) in &self.words {
             self.device.queue.write_buffer(buffer, 0, &vec![byte; buffer.size() as usize]);
@@ -388,7 +388,7 @@ impl<'d> Program<'d> {
     /// The clear pass.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn clear(&self) -> Result<()> {
         let mut encoder = self.device.encoder();
         if self.twin.defines("clear_frame") {
@@ -400,11 +400,11 @@ impl<'d> Program<'d> {
         self.device.submit(encoder)
     }
 
-    /// The method's course up to resolve, which is for whoever wants the results; `geometry` runs the passes over
-    /// fragments, by the function of the twin.
+    /// Run the method's course up to resolve, which the caller runs if it wants the results; `geometry` runs the passes
+    /// over fragments, by the function of the twin.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn run(&self, mut geometry: impl FnMut(&str) -> Result<()>) -> Result<()> {
         let program = &self.shape.contract.program;
         let part = |part: &Part| match *part {
@@ -433,7 +433,7 @@ impl<'d> Program<'d> {
     /// One pass over the frame's words.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn frame_pass(&self, number: usize) -> Result<()> {
         let pass = self.frame_words(number)?;
         let mut encoder = self.device.encoder();
@@ -448,10 +448,10 @@ impl<'d> Program<'d> {
         self.pass("frame_pass", None, &overrides)
     }
 
-    /// A geometry pass on the compute path. Who gives up waiting has stored nothing, and is run again.
+    /// A geometry pass on the compute path. An invocation that gives up waiting has stored nothing, and is rerun.
     ///
     /// # Errors
-    /// Whatever the device says; or somebody waits for ever.
+    /// Any error of the device; or an invocation that waits forever.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
         fragments.chunks(CHUNK).try_for_each(|chunk| {
             self.invoke(function, chunk.iter().map(words_of).collect())?;
@@ -479,7 +479,7 @@ impl<'d> Program<'d> {
         Err(Failure::Stuck(words.len() as u64))
     }
 
-    /// Run again who gave up waiting on the raster path.
+    /// Rerun the invocations that gave up waiting on the raster path.
     ///
     /// # Errors
     /// As [`Self::compute`].

@@ -1,8 +1,8 @@
 //! The raster path: triangles through the device's own rasterizer, into the same store pass.
 //!
-//! Corners are on the device's sub-pixel grid, and the viewport contains every triangle that is drawn, so that no driver
-//! has anything to clip; a scissor cuts the band out. What does not fit into the viewport, and polygons whose fan turns
-//! back on itself (their coverage is a sum of signs), go the compute way, and are counted.
+//! Corners are on the device's sub-pixel grid, and the viewport contains every triangle that is drawn, so that no
+//! driver has anything to clip; a scissor cuts the band out. Triangles that do not fit into the viewport, and polygons
+//! whose fan turns back on itself (their coverage is a sum of signs), take the compute path, and are counted.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -19,13 +19,13 @@ use crate::gpu::driver::failure::{Failure, Result};
 use crate::raster::clip::{Polygon, Snapped, UNITS, doubled_area};
 use crate::raster::{Record, primitive::Rect};
 
-/// Edge of the viewport, in pixels: a power of two, so that the way to clip space and back is exact.
+/// Edge of the viewport, in pixels: a power of two, so that the mapping to clip space and back is exact.
 const VIEWPORT: i32 = 8_192;
 
 /// Fragments of one submission, about.
 const CHUNK: u64 = 1 << 22;
 
-/// Bytes for those that give up waiting in one submission: 65,535 fragments.
+/// Bytes for invocations that give up waiting in one submission: 65,535 fragments.
 const GIVEN_UP: u64 = 1 << 20;
 
 /// One instance, as `pass/raster.wgsl` has it.
@@ -37,7 +37,7 @@ pub struct Triangles {
     instances: Vec<Instance>,
     /// Which of them go into one submission.
     chunks: Vec<Range<u32>>,
-    /// Fragments of those primitives that go the compute way.
+    /// Fragments of those primitives that take the compute path.
     pub rest: Vec<Fragment>,
 }
 
@@ -62,7 +62,7 @@ fn is_simple(polygon: &Polygon) -> bool {
 }
 
 impl Triangles {
-    /// Of a band.
+    /// The triangles of a band.
     #[must_use]
     pub fn new(band: &Band<'_>, record: Record) -> Self {
         let front = &band.picture.front;
@@ -105,7 +105,7 @@ impl Triangles {
     }
 }
 
-/// What the raster path needs besides the program.
+/// What the raster path needs in addition to the program.
 #[derive(Debug)]
 pub struct Raster<'a, 'd> {
     program: &'a Program<'d>,
@@ -115,10 +115,10 @@ pub struct Raster<'a, 'd> {
     /// Instances of one submission each, and how many.
     buffers: Vec<(wgpu::Buffer, u32)>,
     target: wgpu::TextureView,
-    /// Who gave up waiting: how many, then as many fragments as there is room for.
+    /// Invocations that gave up waiting: how many, then as many of their fragments as there is room for.
     given_up: wgpu::Buffer,
     given_up_group: Group,
-    /// What was compiled, by function.
+    /// The compiled pipelines, by function.
     pipelines: RefCell<BTreeMap<String, wgpu::RenderPipeline>>,
 }
 
@@ -178,10 +178,10 @@ impl<'a, 'd> Raster<'a, 'd> {
         })
     }
 
-    /// A geometry pass: the triangles, then what goes the compute way.
+    /// A geometry pass: the triangles, then what takes the compute path.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn draw(&self, function: &str) -> Result<()> {
         let pipeline = self.pipeline(&format!("{function}_raster"))?;
         for (buffer, instances) in &self.buffers {
@@ -195,7 +195,7 @@ impl<'a, 'd> Raster<'a, 'd> {
         self.program.compute(function, &self.triangles.rest)
     }
 
-    /// Who gave up waiting in a submission is run again.
+    /// Rerun the invocations that gave up waiting in a submission.
     fn repeat(&self) -> Result<()> {
         let device = self.program.device;
         let count = device.read(&self.given_up, 4)?;
@@ -325,7 +325,7 @@ fn target(device: &Device, width: u32, height: u32) -> Result<wgpu::TextureView>
 /// as long as the device has such a step.
 ///
 /// # Errors
-/// Whatever the device says.
+/// Any error of the device.
 pub fn sub_pixel_bits(device: &Device) -> Result<u32> {
     const MOST: u32 = 12;
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;

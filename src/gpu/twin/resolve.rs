@@ -1,11 +1,11 @@
-//! Resolve on the device: gather, sort, composite; and what came back.
+//! Resolve on the device: gather, sort, composite; and the results.
 
 use wgpu::{BufferUsages, ShaderStages};
 
 use super::program::{Bound, Dispatch, Group, Program, READABLE, WRITABLE, group};
 use crate::gpu::driver::failure::Result;
 
-/// What came back from a device: as many records of every pixel as were expected, and how many there were.
+/// A device's results: as many records of every pixel as were expected, and how many there were.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Downloaded {
     /// Records that the device has of each pixel.
@@ -38,7 +38,7 @@ pub struct Resolve<'a, 'd> {
     pass: Dispatch,
     /// Where each pixel's places begin, and how many it has.
     rooms: Vec<(u32, u32)>,
-    /// Of all lists.
+    /// The bytes of all lists.
     bytes: u64,
 }
 
@@ -46,7 +46,7 @@ impl<'a, 'd> Resolve<'a, 'd> {
     /// Make room. `starts`: where each pixel's places begin, and the end; `palette` as `shared/composite.wgsl` has it.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn new(program: &'a Program<'d>, palette: &[u32], starts: &[u32]) -> Result<Self> {
         let device = program.device;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
@@ -74,7 +74,7 @@ impl<'a, 'd> Resolve<'a, 'd> {
     /// Run it.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn run(&self) -> Result<()> {
         let mut encoder = self.program.device.encoder();
         let pixels = self.program.shape.config.pixels.into();
@@ -82,10 +82,10 @@ impl<'a, 'd> Resolve<'a, 'd> {
         self.program.device.submit(encoder)
     }
 
-    /// Fetch what came of it.
+    /// Fetch the results.
     ///
     /// # Errors
-    /// Whatever the device says.
+    /// Any error of the device.
     pub fn fetch(self) -> Result<Downloaded> {
         let device = self.program.device;
         let pixels = u64::from(self.program.shape.config.pixels);
@@ -101,10 +101,10 @@ impl<'a, 'd> Resolve<'a, 'd> {
     }
 }
 
-/// Resolve, sort and composite on the device, and fetch what came of it.
+/// Resolve, sort and composite on the device, and fetch the results.
 ///
 /// # Errors
-/// Whatever the device says.
+/// Any error of the device.
 pub fn resolve(program: &Program<'_>, palette: &[u32], starts: &[u32]) -> Result<Downloaded> {
     let resolve = Resolve::new(program, palette, starts)?;
     resolve.run()?;

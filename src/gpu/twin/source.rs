@@ -1,7 +1,8 @@
 //! The WGSL text of a module: constants, the twin, and the entry points of its passes.
 //!
-//! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once in
-//! a module. Which passes a twin has follows from the functions that it defines: each gets its entry point from `pass/`.
+//! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once
+//! in a module. Which passes a twin has follows from the functions that it defines: each gets its entry point from
+//! `pass/`.
 
 use std::fmt::Write;
 
@@ -24,7 +25,7 @@ macro_rules! files {
     };
 }
 
-/// What can be included.
+/// The files that can be included.
 const FILES: &[(&str, &str)] = files! {
     "pass/clear" "pass/clear_frame" "pass/frame" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
     "pass/screen" "pass/store" "pass/store_raster"
@@ -58,7 +59,7 @@ const TWINS: &[(&str, &str)] = twins! {
     "ha32" "hash_table/ha32"
 };
 
-/// Entry points by the function that a twin defines: where they stand, and whether they run invocations of fragments.
+/// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.
 const ENTRIES: &[(&str, &str)] = &[
     ("clear_frame", "pass/clear_frame"),
     ("clear", "pass/clear"),
@@ -139,7 +140,7 @@ impl Twin {
     /// The module's text.
     ///
     /// # Errors
-    /// An include that there is not.
+    /// An include that does not exist.
     pub fn module(&self, constants: &Constants, path: Path) -> Result<String> {
         let entries = match path {
             Path::Compute => ENTRIES,
@@ -178,7 +179,7 @@ fn include(from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> 
     Ok(())
 }
 
-/// Numbers that stand before a twin as constants.
+/// Numbers that precede a twin as constants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Constants {
     text: String,
@@ -192,7 +193,7 @@ impl Constants {
         self
     }
 
-    /// Add one that is at least 1 as the length of an array, whose own name ends in `_ROOM`.
+    /// Add one, and a second one, at least 1, for the length of an array; the second name ends in `_ROOM`.
     #[must_use]
     pub fn with_room(self, name: &str, value: u64) -> Self {
         self.with(name, value).with(&format!("{name}_ROOM"), value.max(1))

@@ -1,5 +1,5 @@
-// How fine a device's sub-pixel grid is. Row r has a triangle whose left edge stands 3/4 of 2^-(r+1) pixel to the right of
-// the centres of column 0: a grid with such a step leaves them out, a coarser one moves the edge onto them.
+// How fine a device's sub-pixel grid is. Row r has a triangle whose left edge stands 3/4 of 2^-(r+1) pixel to the right
+// of the centres of column 0: a grid with such a step leaves them out, a coarser one moves the edge onto them.
 
 @group(0) @binding(0) var<storage, read_write> hits: array<u32>;
 

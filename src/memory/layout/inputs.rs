@@ -1,7 +1,7 @@
 //! Inputs: read-only words that the application fills before the frame, such as an image or a table by triangle.
 //!
-//! Nothing writes them while invocations run, so a read of one is no step of an interleaving: it has no order, cannot
-//! race, and the explorer treats it as a constant of the instance.
+//! Nothing writes them while invocations run, so a read of one is not a step of an interleaving: it has no order,
+//! cannot race, and the explorer treats it as a constant of the instance.
 
 use super::Layout;
 

@@ -179,8 +179,8 @@ impl Loader<'_> {
     }
 }
 
-/// The triangles that the vertices make in order; strips turn every other triangle around. Vertices left over
-/// at the end are no triangle.
+/// The triangles that the vertices make in order; strips turn every other triangle around. Vertices left over at the
+/// end form no triangle.
 fn triangles(mode: Checked<Mode>, order: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Checked::Valid(Mode::TriangleStrip) => {

@@ -17,18 +17,8 @@ pub(super) const BUILTIN: Builtin = Builtin {
     in_pixels: false,
     keys: &[
         Key { name: "columns", default: "5", range: Range::Count(1, 64), about: "side by side" },
-        Key {
-            name: "rows",
-            default: "3",
-            range: Range::Count(1, 64),
-            about: "one behind the other",
-        },
-        Key {
-            name: "levels",
-            default: "2",
-            range: Range::Count(1, 64),
-            about: "on top of each other",
-        },
+        Key { name: "rows", default: "3", range: Range::Count(1, 64), about: "front to back" },
+        Key { name: "levels", default: "2", range: Range::Count(1, 64), about: "stacked" },
         Key { name: "sides", default: "32", range: Range::Count(3, 512), about: "of a bottle" },
         Key::alpha("0.25"),
         Key::SEED,

@@ -123,9 +123,7 @@ impl<'a> Keys<'a> {
     /// One of the words of a choice.
     pub(super) fn choice(&self, name: &str) -> Result<&'static str> {
         let (key, value) = self.get(name)?;
-        let Range::Choice(words) = key.range else {
-            return Err(self.wrong(name, "is not a choice"));
-        };
+        let Range::Choice(words) = key.range else { return Err(self.wrong(name, "not a choice")) };
         let chosen = words.iter().find(|word| value.as_str() == Some(**word)).copied();
         chosen.ok_or_else(|| self.wrong(name, &format!("must be one of {}", words.join(", "))))
     }

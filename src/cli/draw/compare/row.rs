@@ -7,7 +7,7 @@ use crate::image::sheet::Labels;
 use crate::render::Rendering;
 use crate::report::text::{Align, columns, percent, thousands};
 
-/// One method beside its reference.
+/// One method next to its reference.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(in crate::cli) struct Compared {
     pub(in crate::cli) method: String,
@@ -23,10 +23,10 @@ pub(in crate::cli) struct Compared {
     pub(in crate::cli) kept: u64,
     /// Fragments that a race lost.
     pub(in crate::cli) lost: u64,
-    /// Fragments dropped for whatever reason, lost ones included.
+    /// Fragments dropped for any reason, including lost ones.
     pub(in crate::cli) dropped: u64,
     pub(in crate::cli) lists_equal: bool,
-    /// It need not keep all that the reference does, and says so: what is hidden, or there twice.
+    /// The method need not keep all that the reference does, and says so: hidden or duplicate fragments.
     pub(in crate::cli) may_look_different: bool,
     /// Against the reference with `reference_k`.
     pub(in crate::cli) from_reference: Difference,
@@ -67,7 +67,7 @@ impl Compared {
         }
     }
 
-    /// Nothing differs from the reference, and nothing happened that must not.
+    /// Nothing differs from the reference, and nothing forbidden happened.
     pub(in crate::cli) fn agrees(&self) -> bool {
         let same = self.from_reference.differing == 0 || self.may_look_different;
         self.lists_equal && same && self.violations.is_empty()

@@ -62,7 +62,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     }));
     let outside = all.stress.iter().filter(|row| row.outside > 0);
     found.extend(outside.map(|row| format!("{}: {}: {}", row.adapter, row.method, row.reason)));
-    // What is unsupported is no pass.
+    // An unsupported row does not count as a pass.
     if found.is_empty() && all.conformance.iter().all(|row| row.steps == 0) {
         found.push("nothing was compared".to_owned());
     }
@@ -97,6 +97,6 @@ fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> Stri
         let status = status(row.status, &row.reason);
         [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![status]].concat()
     }));
-    text += "\nMany copies at once: outcomes that interleavings can give, and outcomes seen\n";
+    text += "\nMany copies at once: outcomes that interleavings can give, and outcomes observed\n";
     text + &columns(&[Left, Left, Right, Right, Right, Right, Right, Right, Left], &lines)
 }

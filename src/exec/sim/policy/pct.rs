@@ -1,7 +1,7 @@
-//! `pct:D`: probabilistic concurrency testing (Burckhardt, Kothari, Musuvathi, Nagarakatte, "A randomized scheduler with
-//! probabilistic guarantees of finding bugs", ASPLOS 2010). Every invocation has a random priority, and the highest one
-//! runs; at D - 1 random moments the running one falls below all others. A fault that needs D ordered events is found
-//! with a probability that does not vanish in the number of steps, as it does under `random`.
+//! `pct:D`: probabilistic concurrency testing (Burckhardt, Kothari, Musuvathi, Nagarakatte, "A randomized scheduler
+//! with probabilistic guarantees of finding bugs", ASPLOS 2010). Every invocation has a random priority, and the
+//! highest one runs; at D - 1 random moments the running one falls below all others. A fault that needs D ordered
+//! events is found with a probability that does not vanish in the number of steps, as it does under `random`.
 //!
 //! The paper knows the number of invocations and steps beforehand. Here invocations come as a stream: each draws its
 //! priority when it is admitted, and moments are drawn so that D - 1 of them fall, on average, into a *generation*, the

@@ -1,5 +1,5 @@
-//! `warp:N`: N consecutive invocations form a warp. Each turn, every unfinished lane of one warp performs one operation,
-//! in lane order; then the next warp has its turn. A warp is replaced when all its lanes have ended.
+//! `warp:N`: N consecutive invocations form a warp. Each turn, every unfinished lane of one warp performs one
+//! operation, in lane order; then the next warp has its turn. A warp is replaced when all its lanes have ended.
 //!
 //! This is lockstep of memory operations. It does not model reconvergence after branches.
 

@@ -1,7 +1,7 @@
 // A-buffer in per-pixel linked lists (Yang, Hensley, Grün, Thibieroz 2010).
 //
-// A counter hands out nodes; an exchange on the pixel's head publishes a node, whose link is written afterwards. That is
-// harmless: nobody reads a node before the barrier.
+// A counter hands out nodes; an exchange on the pixel's head publishes a node, whose link is written afterwards. That
+// is harmless: no invocation reads a node before the barrier.
 
 //# include shared/fragment
 //# include parts/list

@@ -2,8 +2,8 @@
 //
 // A page holds four fragments, so that a pixel asks the frame's counter a quarter as often and its fragments lie
 // together. Slots are handed out under a lock per pixel. The record itself is written after the lock is free again: its
-// slot belongs to nobody else, and nobody reads it before the barrier. Counter and page are read by the lock's next
-// holder, to whom WGSL's relaxed atomics do not promise them: see shared/lock.
+// slot belongs to no other invocation, and none reads it before the barrier. Counter and page are read by the lock's
+// next holder; WGSL's relaxed atomics do not guarantee that it sees them: see parts/lock.
 
 //# include shared/fragment
 //# include parts/list

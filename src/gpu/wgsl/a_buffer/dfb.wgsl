@@ -1,7 +1,8 @@
 // Dynamic fragment buffer (Maule, Comba, Torchelsen, Bastos 2012; DFB): count, prefix sum, store into exact ranges.
 //
 // Unlike in the S-buffer, the counter is not zeroed, but counted down again: the store pass fills a range from its end.
-// A pixel's fragments are sorted in a local array of 1,024 records; what a pixel has beyond is dropped by arrival.
+// A pixel's fragments are sorted in a local array of 1,024 records; further fragments of a pixel are dropped by
+// arrival.
 
 //# include shared/fragment
 //# include parts/ranges
@@ -55,13 +56,13 @@ fn frame(number: u32, index: u32) {
 fn store(fragment: Fragment) -> u32 {
     let left = atomicSub(&pixels[fragment.pixel].counter, 1u);
     let index = left - 1u;
-    // The last to come find the local array full: the range is filled from its end.
+    // The last to arrive find the local array full: the range is filled from its end.
     let place = pixels[fragment.pixel].length - left;
     if place >= MOST {
         return OVERFLOW;
     }
     let start = range_of(fragment.pixel).start;
-    // Without the sum of both, which wraps for a fragment that nobody counted.
+    // Avoids the sum of both, which wraps for a fragment that was not counted.
     if index >= BOUNDED - min(start, BOUNDED) {
         return POOL;
     }

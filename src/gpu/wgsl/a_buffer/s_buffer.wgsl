@@ -1,4 +1,4 @@
-// S-buffer (Vasilakis, Fudos 2012; SB): count, sum up, store into exact contiguous ranges.
+// S-buffer (Vasilakis, Fudos 2012; SB): count, prefix sum, store into exact contiguous ranges.
 //
 // A first geometry pass counts every pixel's fragments; sums turn counts into starts; a second one stores, with the
 // pixel's counter, zeroed again, as its index. Both passes must generate the same fragments.

@@ -1,7 +1,7 @@
 // HA-buffer of depths alone (Lefebvre, Hornus, Lasram 2013, section 4.1.3): for layered depth images and voxels.
 //
-// As `ha64`, with records of age and depth only, which 32-bit atomics can hold. Fragments of a pixel are alike where
-// their depths are, and one of them is kept.
+// As `ha64`, with records of age and depth only, which 32-bit atomics can hold. Fragments of a pixel with equal depths
+// are equal, and one of them is kept.
 
 //# include shared/fragment
 //# include parts/table

@@ -2,8 +2,8 @@
 //
 // A fragment walks its pixel's cells, age by age, and an atomic maximum puts its record where that is larger than what
 // is there. Records have the age in their upper bits, so that the older wins (Robin Hood); then the depth, reversed, so
-// that of two fragments of one pixel the nearer wins. Who is pushed out walks on, carried by the invocation that pushed
-// it: its cell and its age name its pixel. So an invocation may end with another pixel's fragment.
+// that of two fragments of one pixel the nearer wins. An invocation that displaces a record goes on to insert it: the
+// record's cell and age name its pixel. So an invocation may end with another pixel's fragment.
 //
 // Resolve takes every age up to the largest; the paper's listing stops before it. WGSL has no 64-bit atomics: they are
 // an extension of naga's.

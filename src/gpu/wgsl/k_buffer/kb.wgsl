@@ -1,8 +1,8 @@
 // k-buffer as published (Bavoil, Callahan, Lefohn, Comba, Silva 2007; KB): a data race.
 //
 // Read the k entries, insert in registers, write all back. There is no synchronisation: invocations of a pixel that
-// overlap lose, double or tear fragments, and WGSL says nothing of what they then read. One after another, they keep
-// the k nearest. Entries are sorted front to back; empty ones stay last.
+// overlap lose, double or tear fragments, and WGSL does not define what they then read. Run one after another, they
+// keep the k nearest. Entries are sorted front to back; empty ones stay last.
 
 //# include shared/fragment
 //# include shared/emit
@@ -26,7 +26,7 @@ fn store(fragment: Fragment) -> u32 {
     for (var i = 0u; i < K; i++) {
         entries[i] = Key(pixels[pixel].data[i], pixels[pixel].depth[i]);
     }
-    // Insert: what is carried on is, in the end, the key that no longer fits.
+    // Insert: the key carried at the end is the one that no longer fits.
     var carried = key_of(fragment);
     for (var i = 0u; i < K; i++) {
         let other = entries[i];

@@ -1,8 +1,9 @@
 // k-buffer in a depth-sorted linked list per pixel (Yu, Yang, Hensley, Harada, Yu 2012; KB-LL).
 //
-// A fragment walks its pixel's list from the front. Behind k nodes it is culled; else its node goes before the first
-// that is farther, by a compare-exchange on its predecessor's link. Nodes never leave the list, they only fall behind
-// the k-th, where resolve does not look: so who loses a compare-exchange goes on from where it stands.
+// A fragment walks its pixel's list from the front. Behind k nodes it is culled; otherwise its node goes before the
+// first that is farther, by a compare-exchange on its predecessor's link. Nodes never leave the list, they only fall
+// behind the k-th, where resolve does not look: so an invocation that loses a compare-exchange goes on from where it
+// is.
 //
 // Walkers read nodes while others insert, and a node is complete before the compare-exchange that publishes it. WGSL
 // does not guarantee that they see it complete: its atomics are relaxed, and keys are plain words.
@@ -11,8 +12,9 @@
 //# include parts/list
 //# include shared/emit
 
-// A compare-exchange fails because another got in, which changes the link. One that fails without that failed for no
-// reason, as it may in WGSL; or this lane is a helper of a quad, whose atomics do nothing. So often, it may.
+// A compare-exchange fails because another invocation got in, which changes the link. If the link did not change, it
+// failed spuriously, as WGSL allows, or this lane is a helper of a quad, whose atomics do nothing. That may happen this
+// often.
 const FUTILE: u32 = 64u;
 
 struct Pixel {

@@ -1,9 +1,9 @@
 // Multi depth test with 32-bit atomics, as published (Liu, Huang, Liu, Wu 2010; Maule, Comba, Torchelsen, Bastos 2013;
 // KB-MDT): two geometry passes.
 //
-// The first lowers k depth words by atomic minima, each passing on what it gives up; the second lets every fragment
-// look for its depth among them, and write its data there. Of several with the same depth, each writes into every entry
-// that matches: the last one stands for all. Depths have 24 bits, which makes equal ones more frequent.
+// The first lowers k depth words by atomic minima, each passing on what it gives up; in the second, every fragment
+// looks for its depth among them and writes its data there. Of several fragments with the same depth, each writes into
+// every entry that matches: the last one represents all. Depths have 24 bits, which makes equal ones more frequent.
 
 //# include shared/fragment
 //# include shared/emit

@@ -1,7 +1,7 @@
 // Multi depth test with 64-bit atomics (Liu, Huang, Liu, Wu 2010; KB-MDT as it would be with them).
 //
-// k entries, each lowered by an atomic minimum on the whole record; what an entry gives up goes on to the next one.
-// Every minimum keeps the multiset of what entries hold and invocations carry: in the end the entries are the k
+// k entries, each lowered by an atomic minimum on the whole record; the record that an entry gives up moves on to the
+// next. Every minimum keeps the multiset of what entries hold and invocations carry: in the end the entries are the k
 // smallest in order. WGSL has no 64-bit atomics: they are an extension of naga's.
 
 //# include shared/fragment

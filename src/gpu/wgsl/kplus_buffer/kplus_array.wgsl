@@ -1,8 +1,8 @@
 // k+-buffer with a max-array (Vasilakis, Fudos 2014; K+B-Array), in its correct form.
 //
 // A spin lock per pixel guards an array whose entry 0 is always its farthest. The new farthest is found before anything
-// is written, the freed entry is written before entry 0, and the counter is raised last: so whoever reads counter and
-// entry 0 without the lock is never told too near a depth. (As far as WGSL goes: its atomics are relaxed.)
+// is written, the freed entry is written before entry 0, and the counter is raised last: so an invocation that reads
+// counter and entry 0 without the lock never sees too near a depth. (As far as WGSL goes: its atomics are relaxed.)
 
 //# include shared/fragment
 //# include parts/lock

@@ -2,8 +2,8 @@
 //
 // As the max-array (`kplus_array`), with a structure that finds the new farthest in O(log k) instead of O(k). The
 // counter is raised after the record is in place, and the root goes from the old farthest record to the new one in one
-// write: so whoever reads counter and root without the lock is never told too near a depth. (As far as WGSL goes: its
-// atomics are relaxed.)
+// write: so an invocation that reads counter and root without the lock never sees too near a depth. (As far as WGSL
+// goes: its atomics are relaxed.)
 
 //# include shared/fragment
 //# include parts/lock
@@ -50,7 +50,7 @@ fn insert(pixel: u32, key: Key) -> u32 {
 
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
-    // Of equal depths, the data word decides, which only who holds the lock may read.
+    // Of equal depths, the data word decides, which only the lock's holder may read.
     if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
         return CULLED;
     }

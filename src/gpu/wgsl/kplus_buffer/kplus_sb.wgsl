@@ -3,9 +3,9 @@
 // A bounded count, a prefix sum, and per pixel a max-array or a max-heap in a contiguous range of min(f, k) records. A
 // pixel with more than k fragments has a heap if k > 16, and an array otherwise.
 //
-// A compare-exchange counts to min(f, k + 1): the published test and add overshoots where several pass the test
-// together, and a count bounded at k cannot tell f = k from f > k. The choice is the lowest bit of the range's start.
-// What the lock needs is outside WGSL's guarantees: see shared/lock.
+// A compare-exchange counts to min(f, k + 1): the published test and add overshoots if several invocations pass the
+// test together, and a count bounded at k cannot distinguish f = k from f > k. The choice is the lowest bit of the
+// range's start. What the lock needs is outside WGSL's guarantees: see parts/lock.
 
 //# include shared/fragment
 //# include parts/lock
@@ -17,8 +17,9 @@
 // Up to this k, an array is faster than a heap.
 const ARRAY_UP_TO: u32 = 16u;
 
-// A compare-exchange fails because another counted, which changes the counter. One that fails without that failed for no
-// reason, as it may in WGSL; or this lane is a helper of a quad, whose atomics do nothing. So often, it may.
+// A compare-exchange fails because another invocation counted, which changes the counter. If the counter did not
+// change, it failed spuriously, as WGSL allows, or this lane is a helper of a quad, whose atomics do nothing. That may
+// happen this often.
 const FUTILE: u32 = 64u;
 
 struct Pixel {

@@ -1,5 +1,5 @@
-// The max-array of the k+-buffer: the farthest record of a row is at entry 0, the others anywhere. Whoever reads entry
-// 0 without the lock is never told too near a depth: see `kplus_array`.
+// The max-array of the k+-buffer: the farthest record of a row is at entry 0, the others anywhere. An invocation that
+// reads entry 0 without the lock never sees too near a depth: see `kplus_array`.
 //
 // The method says where a row's records are: `entry(row, i)` reads one, `put(row, i, key)` writes one, its depth last.
 
@@ -16,7 +16,7 @@ fn array_append(row: u32, count: u32, key: Key) {
     put(row, count, last);
 }
 
-// Put a record in the place of the farthest of `count`: who will be the farthest is found before anything is written.
+// Put a record in the place of the farthest of `count`: the new farthest is found before anything is written.
 fn array_replace(row: u32, count: u32, key: Key) {
     var place = 0u;
     var farthest = key;

@@ -1,8 +1,8 @@
 // The max-heap of the k+-buffer: children of i are 2i + 1 and 2i + 2, the farthest record is at the root.
 //
-// A hole moves, not the new record: others make room for it, and it is written once, where it belongs. The root so goes
-// from the old farthest to the new one in one write, and whoever reads it without the lock is never told too near a
-// depth.
+// A hole moves, not the new record: others make room for it, and it is written once, where it belongs. So the root goes
+// from the old farthest to the new one in one write, and an invocation that reads it without the lock never sees too
+// near a depth.
 //
 // The method says where a row's records are: `entry(row, i)` reads one, `put(row, i, key)` writes one, its depth last.
 

@@ -17,7 +17,7 @@ const SUM_BLOCKS: u32 = 2u;
 
 struct Range {
     start: u32,
-    // A bit that came with it.
+    // The flag given with it.
     flag: bool,
 }
 

@@ -17,7 +17,7 @@ const LARGEST: u32 = ACROSS * ((HEIGHT + EDGE - 1u) / EDGE);
 // Words that one invocation of the clear pass clears.
 const CLEARED: u32 = 64u;
 
-// Those of all ages, two to an element, the first for age 1.
+// The offsets of all ages, two per element, the first for age 1.
 @group(0) @binding(4) var<uniform> offsets: array<vec4<u32>, 128>;
 
 // For age 1 or more.
@@ -27,7 +27,7 @@ fn offset_of(age: u32) -> vec2<u32> {
     return select(two.zw, two.xy, i % 2u == 0u);
 }
 
-// A place that has gone round at most once on each axis.
+// Wraps a place that is at most one table size too large on each axis.
 fn turn(place: vec2<u32>) -> vec2<u32> {
     return select(place, place - TABLE, place >= TABLE);
 }
@@ -37,7 +37,7 @@ fn begin_of(pixel: u32) -> vec2<u32> {
     return place_of(pixel) % TABLE;
 }
 
-// Whether a storage place is a pixel of the picture: tiles that its edge cuts have others.
+// Whether a storage place is a pixel of the picture: tiles cut by its edge have other places.
 fn is_seen(pixel: u32) -> bool {
     return all(place_of(pixel) < vec2<u32>(WIDTH, HEIGHT));
 }
@@ -47,7 +47,7 @@ fn cell_of(place: vec2<u32>, age: u32) -> vec2<u32> {
     return turn(place + offset_of(age));
 }
 
-// Where the walk began that is at this cell at this age.
+// Where the walk that reaches this cell at this age began.
 fn origin_of(cell: vec2<u32>, age: u32) -> vec2<u32> {
     return turn(cell + TABLE - offset_of(age));
 }
@@ -57,7 +57,7 @@ fn index_of(cell: vec2<u32>) -> u32 {
     return cell.y * TABLE_WIDTH + cell.x;
 }
 
-// The block whose largest age is this place's.
+// The block that holds this place's largest age.
 fn block_of(place: vec2<u32>) -> u32 {
     return place.y / EDGE * ACROSS + place.x / EDGE;
 }

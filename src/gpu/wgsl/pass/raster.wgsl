@@ -1,6 +1,6 @@
-// The raster path: one instance per triangle, whose corners are already on the device's sub-pixel grid, under a viewport
-// that contains them all. Its width and height are a power of two, so that the way there and back is exact in 32-bit
-// floats. Depth comes from integers, never from the device's interpolation.
+// The raster path: one instance per triangle, whose corners are already on the device's sub-pixel grid, under a
+// viewport that contains them all. Its width and height are a power of two, so that the mapping there and back is exact
+// in 32-bit floats. Depth comes from integers, never from the device's interpolation.
 
 //# include shared/fragment
 //# include shared/grid
@@ -38,7 +38,7 @@ fn raster_corner(@builtin(vertex_index) index: u32, triangle: Triangle) -> Corne
 }
 
 fn fragment_of(corner: Corner) -> Fragment {
-    // Of the band that is drawn; planes are of the whole picture.
+    // A place in the drawn band; planes refer to the whole picture.
     let place = vec2<u32>(corner.position.xy);
     let plane = Plane(corner.slopes.xy, corner.slopes.zw, corner.rest.xy, corner.rest.z, corner.rest.w);
     let depth = depth_code(plane, place + vec2<u32>(0u, BAND_TOP)) >> DEPTH_SHIFT;

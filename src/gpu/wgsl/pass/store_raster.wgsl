@@ -1,6 +1,6 @@
 //# include pass/raster
 
-// Those that gave up waiting, for a lock or for a compare-exchange: the host runs them again, the compute way.
+// Invocations that gave up waiting, for a lock or for a compare-exchange: the host reruns them on the compute path.
 struct GivenUp {
     count: atomic<u32>,
     fragments: array<Fragment>,

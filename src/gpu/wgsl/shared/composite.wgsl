@@ -7,7 +7,7 @@
 // straight-alpha RGBA8 with R in the low byte.
 @group(1) @binding(3) var<storage, read> palette: array<u32>;
 
-// What lies behind everything, linear 16-bit.
+// The background, linear 16-bit.
 const BACKGROUND = vec3<u32>(BACKGROUND_R, BACKGROUND_G, BACKGROUND_B);
 
 // The sRGB byte of a linear 16-bit value: the last one that begins at or below it.

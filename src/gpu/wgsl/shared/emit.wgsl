@@ -1,10 +1,12 @@
-// What resolve gives: the records of a pixel, in any order, into its part of the lists. A method calls `emit` for each.
+// The results of resolve: the records of a pixel, in any order, into its part of the lists. A method calls `emit` for
+// each.
 
 struct Ray {
     // Where the pixel's part of the lists begins, and how many records it holds; written by the host.
     start: u32,
     room: u32,
-    // How many records came, also beyond its room; and the pixel's colour, sRGB RGBA8. Written by resolve.
+    // How many records were emitted, including those beyond its room; and the pixel's colour, sRGB RGBA8. Written by
+    // resolve.
     count: u32,
     color: u32,
 }

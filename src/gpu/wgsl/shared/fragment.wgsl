@@ -1,4 +1,5 @@
-// What crosses from the rasterizer to a method, and what a method says of it. The same numbers as in the simulator.
+// What crosses from the rasterizer to a method, and the outcome that a method gives it. The numbers are the
+// simulator's.
 
 struct Fragment {
     // Which pixel's memory it goes to: a place in block-linear storage (see shared/grid.wgsl).
@@ -28,7 +29,7 @@ const OVERFLOW: u32 = 3u;
 const POOL: u32 = 4u;
 const DUPLICATE: u32 = 5u;
 const AGE: u32 = 6u;
-// It gave up waiting for a lock. No simulated invocation does.
+// It gave up waiting for a lock. No simulated invocation does this.
 const STUCK: u32 = 7u;
 
 // No fragment: what a clear pass writes for a depth.

@@ -1,5 +1,5 @@
-// Sorting a pixel's records into canonical order, front to back, in place: insertion sort up to 16, and shell sort above
-// (k+-buffer paper, section 3.2). Equal records are identical fragments, so any correct sort gives the same list.
+// Sorting a pixel's records into canonical order, front to back, in place: insertion sort up to 16, and shell sort
+// above (k+-buffer paper, section 3.2). Equal records are identical fragments, so any correct sort gives the same list.
 
 //# include shared/fragment
 //# include shared/emit
@@ -21,7 +21,7 @@ fn insertion(start: u32, count: u32, gap: u32) {
 
 fn sort(start: u32, count: u32) {
     if count > INSERTION_UP_TO {
-        // Ciura's gaps, and 9/4 of the last beyond them.
+        // Ciura's gaps; beyond them, each is 9/4 of the one before.
         var gaps = array<u32, 16>(
             1u, 4u, 10u, 23u, 57u, 132u, 301u, 701u,
             1577u, 3548u, 7983u, 17961u, 40412u, 90927u, 204585u, 460316u,
