@@ -4,11 +4,11 @@
 //! else a machine does only adds to them.
 //!
 //! The goal is 20 under every policy. Where a step's time goes under `random` (`perf record`, `kplus-array`): 70 % in
-//! the loop of the store pass, which holds policy, invocations and memory, most of it at the two branches that nobody
-//! can foresee (the jump to where the invocation stands, and the one to where its operation is among two) and at the
+//! the loop of the store pass, which holds policy, invocations and memory, most of it at the two branches that cannot
+//! be predicted (the jump to where the invocation stands, and the one to where its operation is among two) and at the
 //! first touch of the invocation; 10 % the same in the other passes; 5 % to admit and retire invocations; 3 % to make
 //! fragments. The number of residents hardly matters as long as invocations (a few hundred bytes each) and their pixels
-//! stay in the second-level cache; `order`, which is foreseen, takes less than half.
+//! stay in the second-level cache; `order`, which is predicted, takes less than half.
 
 use fragloom::catalogue;
 use fragloom::render::{Exec, Options, Policy, Report, Sim, render};

@@ -37,8 +37,8 @@ fn merged(fragments: &[u64]) -> Records {
     Records { list, merged }
 }
 
-/// One record in front of another, as one: colours are premultiplied, so what is behind shows by the rest of the
-/// opacity. It stands at the farther depth.
+/// One record in front of another, as one: colours are premultiplied, so what is behind is weighted by 1 minus the
+/// front's opacity. It stands at the farther depth.
 fn over(front: &Record, back: &Record) -> Record {
     let rest = 1.0 - front.rgba[3];
     let rgba = std::array::from_fn(|i| front.rgba[i] + rest * back.rgba[i]);

@@ -169,7 +169,7 @@ fn correct_k_methods_equal_exact_for_every_k() {
     }
 }
 
-/// One round for each layer, or for so many layers as a round takes; and one to see that nothing is left.
+/// One round for each layer, or for as many layers as a round takes; and one to see that nothing is left.
 #[test]
 fn rounds_are_as_many_as_layers_ask_for() {
     let scene = scene("layers:count=6", [17, 9]);
@@ -249,7 +249,7 @@ fn a_budget_that_is_too_small_is_refused() {
     }
 }
 
-/// Section 3.3: k and the histogram decide; what no pixel has a place for is told beforehand.
+/// Section 3.3: k and the histogram decide; what no pixel has room for is reported beforehand.
 #[test]
 fn a_budget_chooses_the_largest_k() {
     let scene = scene("synthetic:n=14,tessellation=3", [40, 28]);
@@ -288,7 +288,7 @@ fn what_is_named_deterministic_is() {
     }
 }
 
-/// What a method is told of a scene, so that all its numbers differ.
+/// A scene's numbers, as a method is configured with them: all are different.
 fn told(k: u32) -> Config {
     Config {
         k: Some(k),

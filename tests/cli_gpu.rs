@@ -68,7 +68,7 @@ fn bad_input_is_one_line() {
     assert_eq!(dir.read("broken.obj"), broken.as_bytes());
 }
 
-/// Vulkan's loader is told of no driver.
+/// Vulkan's loader finds no driver.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_driver_it_says_what_to_install() {

@@ -1,6 +1,7 @@
 //! The examples are the whole tool with methods of their own in it. `cargo test` builds them.
 
 #[path = "support/command.rs"]
+#[allow(dead_code, reason = "its other users use the rest")]
 mod command;
 
 use std::path::PathBuf;
@@ -43,7 +44,7 @@ fn your_own_scheme_is_in_every_command() {
     assert_eq!(run("check cas-list --scene cubes --size 16x16 --executions 3 -q").code, 0);
     assert_eq!(run("bench layers:count=3 -m cas-list --size 16x16 --repeats 1 -q").code, 0);
     assert!(run("methods").stdout.contains("cas-list"));
-    assert_eq!(run("methods cas-list --stability").code, 0);
+    assert!(run("methods --stability").stdout.contains("cas-list"));
     assert!(run("render cubes -m cas-lst").stderr.contains("did you mean cas-list?"));
 }
 

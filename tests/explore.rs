@@ -1,6 +1,6 @@
 //! What checks find out about methods: the max-array under every interleaving, what a k-buffer can make of three
-//! fragments, the papers' claims, the kill matrix; and that a bound, a cancellation or an operation that nothing reaches
-//! is never a verdict.
+//! fragments, the papers' claims, the kill matrix; and that a bound, a cancellation or an operation that nothing
+//! reaches is never a verdict.
 
 #[path = "support/unreached.rs"]
 mod unreached;
@@ -35,7 +35,7 @@ const LIMITS: Limits<'static> = Limits { states: 5_000_000, cancelled: &|| false
 
 const VULKAN: MemoryModel = MemoryModel::Relaxed(Profile::Vulkan);
 
-/// Fragments by the environment: more for who has the time.
+/// The number of fragments, from an environment variable: set it for a longer run.
 fn fragments(variable: &str, otherwise: u32) -> u32 {
     std::env::var(variable).ok().and_then(|n| n.parse().ok()).unwrap_or(otherwise)
 }
@@ -225,8 +225,8 @@ fn by_hand(litmus: &Litmus) -> BTreeSet<Vec<u64>> {
     results
 }
 
-/// At the granularity of 32-bit words, depth and data apart: fragments are lost, doubled and torn, and words that nobody
-/// wrote show through.
+/// At the granularity of 32-bit words, depth and data apart: fragments are lost, doubled and torn, and words that were
+/// never written show through.
 #[test]
 fn what_a_k_buffer_makes_of_three_fragments() {
     let litmus = three(Some(2));
@@ -292,8 +292,8 @@ fn verdict(rows: &[Finding], method: &str, memory: &str, profile: Option<&str>) 
     rows.iter().find(is_it).unwrap_or_else(|| panic!("{method} {memory} {profile:?}")).verdict
 }
 
-/// Verdicts are computed, so none but those that decide something are expected here: the correct form keeps every claim
-/// wherever a lock can work, and the published forms do not keep the first one.
+/// Verdicts are computed, so only decisive ones are expected here: the correct form keeps every claim wherever a lock
+/// can work, and the published forms do not keep the first one.
 #[test]
 fn the_claims_have_verdicts_and_violations_have_tokens() {
     let mut violated = 0;

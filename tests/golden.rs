@@ -120,7 +120,7 @@ fn the_ledger_is_in_its_own_form() {
     assert_eq!(names.len(), entries.len(), "names are unique");
 }
 
-/// Lines that say the same must agree: whoever runs it, whichever method keeps everything.
+/// Lines that say the same must agree: for every executor, and for every method that keeps everything.
 #[test]
 fn lines_that_must_agree_do() {
     let entries = entries();

@@ -1,5 +1,5 @@
-//! The HA-buffer against a table filled by the book, one fragment after another: the same cells under every schedule,
-//! on every executor and at every load; and what is lost where there is no room.
+//! The HA-buffer against a sequential reference table, filled one fragment after another: the same cells under every
+//! schedule, on every executor and at every load; and what is lost where there is no room.
 
 mod support;
 
@@ -27,15 +27,15 @@ use proptest::prelude::*;
 use support::{draw, lists, options, scene, sim};
 
 // ---------------------------------------------------------------------------------------------------------------------
-// A table by the book.
+// The sequential reference table.
 
 /// A pixel's column and row.
 type Place = (u32, u32);
 
-/// A record: its age, what is compared behind it, and whose it is.
+/// A record: its age, what is compared behind it, and its pixel.
 type Held = (u32, u64, Place);
 
-/// Robin Hood insertion into a list of cells, as section 4.1.3 has it, by one hand.
+/// Robin Hood insertion into a list of cells, sequentially, as in section 4.1.3.
 struct Book {
     size: [u32; 2],
     offsets: Vec<[u32; 2]>,
@@ -202,8 +202,8 @@ impl Case {
     }
 }
 
-/// Tables of 1 to 64 cells over screens that they cover, by `more` cells on each axis; few depths, so that there are ties;
-/// few offsets, so that some are equal.
+/// Tables of 1 to 64 cells over screens that they cover, by `more` cells on each axis; few depths, so that there are
+/// ties; few offsets, so that some are equal.
 fn cases(covers: bool) -> impl Strategy<Value = Case> {
     let screen = (1u32..=8, 1u32..=8);
     let more = (0u32..=3, 0u32..=3);
@@ -231,14 +231,14 @@ fn cases(covers: bool) -> impl Strategy<Value = Case> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Cell for cell what the book says, whoever goes when; also where fragments find no room.
+    /// Cell for cell the reference table, under every schedule; also where fragments find no room.
     #[test]
-    fn tables_are_those_of_the_book(case in cases(true)) {
+    fn tables_are_those_of_the_reference(case in cases(true)) {
         let (book, ran) = (case.book(rank64), run::<HaBuffer<Bits64>>(&case.config, &case.fragments(), case.seed));
         prop_assert_eq!(&ran.cells, &book.words(64));
         let gone = ran.outcomes.iter().filter(|&&o| o != Outcome::Kept).count();
         prop_assert_eq!(gone, book.dropped.len() + book.duplicates);
-        // The lists hold all but those that the book names, and come out sorted.
+        // The lists hold all but those that the reference dropped, and come out sorted.
         for (pixel, list) in (0..).zip(&ran.lists) {
             prop_assert!(list.is_sorted_by_key(|&key| depth_of(key)), "pixel {}", pixel);
             let mut expected = case.generated(pixel);
@@ -256,7 +256,7 @@ proptest! {
         prop_assert_eq!(ran.cells, book.words(32));
     }
 
-    /// Those that are alike are all kept, where there is room.
+    /// Fragments that are alike are all kept, where there is room.
     #[test]
     fn multisets_are_kept(case in cases(true)) {
         let ran = run::<HaBuffer<Bits64, ha::Multiset>>(&case.config, &case.fragments(), case.seed);
@@ -282,7 +282,7 @@ proptest! {
         prop_assert_eq!(missing, dropped);
     }
 
-    /// Where the table is narrower than the screen, ages do not name pixels; but every walk ends, within the table.
+    /// Where the table is narrower than the screen, ages do not identify pixels; but every walk ends, within the table.
     #[test]
     fn narrow_tables_end(case in cases(false)) {
         let ran = run::<HaBuffer<Bits64>>(&case.config, &case.fragments(), case.seed);
@@ -356,8 +356,8 @@ fn without_alike(drawn: &Rendering) -> Lists {
     drawn.lists().expect("lists").cut(|_, keys| keys.dedup())
 }
 
-/// The table is the same, bit for bit, and holds what the exact reference holds: for every load, on every executor, under
-/// five policies with twenty seeds each.
+/// The table is the same, bit for bit, and holds what the exact reference holds: for every load, on every executor,
+/// under five policies with twenty seeds each.
 #[test]
 fn no_schedule_changes_a_table() {
     let edge = full_edge();
@@ -443,7 +443,7 @@ fn depths_alone_are_those_of_the_reference() {
     }
 }
 
-/// The book's table for a scene's fragments.
+/// The reference table for a scene's fragments.
 fn book_of(scene: &Scene, settings: &TableSettings) -> Book {
     let exact = with("exact", Exec::Tile, Data::Primitive, TableOptions::default());
     let all = lists(scene, &exact);
@@ -456,7 +456,7 @@ fn book_of(scene: &Scene, settings: &TableSettings) -> Book {
     book
 }
 
-/// What has no room is exactly what the book says, and every schedule agrees.
+/// What has no room is exactly what the reference drops, under every schedule.
 #[test]
 fn an_age_limit_and_a_full_table_lose_what_is_named() {
     let scene = scene("synthetic:n=12,tessellation=3,density=24", [48, 48]);
@@ -508,7 +508,7 @@ fn lost(scene: &Scene, found: &Lists) -> Vec<((u32, u32), u64)> {
     missing
 }
 
-/// Every record is tried once at each age up to its own, by whoever carries it.
+/// Every record is tried once at each age up to its own, by the invocation that carries it.
 #[test]
 fn probes_are_the_sum_of_ages() {
     let scene = crowded();
@@ -597,7 +597,7 @@ fn without_a_threshold_all_is_kept() {
 // ---------------------------------------------------------------------------------------------------------------------
 // What lists are used for.
 
-/// Effects take lists, whoever made them.
+/// Effects take lists of any method.
 #[test]
 fn effects_are_the_same_on_a_hash_table() {
     let file = |name: &str| format!("{}/scenes/{name}", env!("CARGO_MANIFEST_DIR"));

@@ -1,6 +1,6 @@
 //! Methods of every kind, by the tests' own schemes: one that merges, one that blends without lists, one that reads an
-//! image. (The battery has them too.) What they draw is right by reading, effects that need lists say so, the explorer
-//! verifies them, and a token of a method with inputs brings them along.
+//! image. (The battery has them too.) What they draw is compared with references. Effects that need lists say so, the
+//! explorer verifies the schemes, and a token of a method with inputs carries the inputs.
 
 mod support;
 #[path = "support/toys/mod.rs"]
@@ -155,7 +155,7 @@ fn one_layer_is_exact() {
     }
 }
 
-/// What is behind shows through what is in front by the same rest, whether both are one record or two: only the last
+/// What is behind shows through what is in front by the same share, whether both are one record or two: only the last
 /// rounding can differ.
 #[test]
 fn two_merged_records_look_like_both() {

@@ -1,10 +1,10 @@
-//! Data flows one way: a top-level module uses only modules that stand before it in the order that `src/lib.rs`
-//! writes down, a room of a module only rooms that stand before it in the order of the module's `mod.rs`, and within a
+//! Data flows one way: a top-level module uses only modules that stand before it in the order that `src/lib.rs` writes
+//! down, a folder of a module only folders that stand before it in the order of the module's `mod.rs`, and within a
 //! module no files use each other in a circle. The orders are read from there, so that each is written once.
 //!
 //! What counts is code, `#[cfg(test)]` included (but for circles), not what comments and strings say: every path that
-//! begins at the crate's root, by `crate::`, `super::` or `self::`. A name that a `mod.rs` re-exports counts as the file
-//! that it comes from. Each rule is shown to fail on files made up for it.
+//! begins at the crate's root, by `crate::`, `super::` or `self::`. A name that a `mod.rs` re-exports counts as the
+//! file that it comes from. Each rule is shown to fail on files made up for it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -288,8 +288,8 @@ impl House {
         (1..=path.len()).rev().find(known).map(|n| path[..n].to_vec())
     }
 
-    /// What the rooms of `module` use that does not stand before them; a file that the order does not name stands
-    /// before all rooms. The `mod.rs` itself is free.
+    /// What the folders of `module` use that does not stand before them; a file that the order does not name stands
+    /// before all folders. The `mod.rs` itself is free.
     fn upward_in(&self, module: &str, order: &[String]) -> Vec<String> {
         let place = |room: &String| order.iter().position(|known| known == room);
         let mut wrong = Vec::new();
@@ -377,7 +377,7 @@ fn every_module_uses_only_what_stands_before_it() {
     assert!(uses > 150, "only {uses} uses were found: is the parser blind?");
 }
 
-/// Modules whose rooms have an order, which their `mod.rs` writes down.
+/// Modules whose folders have an order, which their `mod.rs` writes down.
 const ROOMS: [(&str, &str); 4] = [
     ("cli", include_str!("../src/cli/mod.rs")),
     ("explore", include_str!("../src/explore/mod.rs")),
@@ -483,7 +483,7 @@ fn a_scheme_with_atomics_of_its_own_is_found() {
     assert!(!names_atomics(&scheme("// std::sync::atomic\nlet w: Words<Atomic> = mem.atomic();")));
 }
 
-/// Negative controls for rooms and circles.
+/// Negative controls for folders and circles.
 #[test]
 fn a_room_that_reaches_up_and_a_circle_are_found() {
     let house = |files: &[(&str, &str)]| {

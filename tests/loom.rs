@@ -146,7 +146,7 @@ fn holds(name: &str, floor: usize, model: impl Fn() + Sync + Send + 'static) {
 fn is_caught(name: &str, model: impl Fn() + Sync + Send + 'static) {
     let message = explore(model).expect_err("a fault that nothing catches");
     println!("{name}: {}", message.lines().next().unwrap_or_default());
-    // A word that nobody wrote, taken for an index, leads out of memory.
+    // A word that was never written, taken for an index, leads out of memory.
     let wrong = message.contains(WRONG) || message.contains("index out of bounds");
     assert!(wrong, "{name}: {message}");
 }
@@ -232,7 +232,7 @@ fn a_lock_without_order_is_caught() {
 }
 
 /// M6: the second thread sees both entries counted, but in entry 0 still the nearer one; the fragment between them is
-/// culled. In order, who sees the count sees the entry.
+/// culled. In order, an invocation that sees the count sees the entry.
 #[test]
 fn an_unordered_early_out_is_caught() {
     let groups: &[&[u32]] = &[&[5, 9], &[7]];
@@ -271,7 +271,7 @@ fn a_minimum_in_three_steps_is_caught() {
     is_caught("z-buffer@load-store", insertion::<Fault>(k(1), &[&[5], &[3]], 2));
 }
 
-/// M11, equivalent: a node may be published before it is written, since nobody reads it before the barrier.
+/// M11, equivalent: a node may be published before it is written, since no invocation reads it before the barrier.
 #[test]
 fn publishing_first_changes_nothing() {
     type Equivalent = AbLinkedList<PublishedFirst>;

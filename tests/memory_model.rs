@@ -227,7 +227,7 @@ const PROGRAMS: &[Program] = &[
         ordered("0,0- 0,1- 1,0- 1,1- 1,21", races(Are("0,0- 0,1- 1,0- 1,1- 1,20 1,21"))),
     ),
     Program::new(
-        "another's store does not pass a release on",
+        "another thread's store does not pass a release on",
         &[
             &[Write(D, 1, PLAIN), Write(X, 1, REL)],
             &[Read(X, RLX), Need(1), Write(X, 2, RLX)],
@@ -240,9 +240,9 @@ const PROGRAMS: &[Program] = &[
             races(Are("0,0- 0,1- 1,0- 1,1- 1,20 1,21")),
         ],
     ),
-    // A barrier stands before every later store, too; a release store is itself alone.
+    // A release barrier also covers every later store; a release store covers only itself.
     Program::new(
-        "one's own later store does not pass a release on",
+        "the same thread's later store does not pass a release on",
         &[
             &[Write(D, 1, PLAIN), Write(X, 1, REL), Write(X, 2, RLX)],
             &[Read(X, ACQ), Need(2), Read(D, PLAIN)],
@@ -529,9 +529,9 @@ const PROGRAMS: &[Program] = &[
     ),
     Program::new("atomic writes", &[&[Write(X, 1, RLX)], &[Write(X, 2, RLX)]], all("|1 |2"))
         .finals(&[X]),
-    // A word that nobody wrote holds anything, but the same for all.
+    // A word that was never written holds anything, but the same for all.
     Program::new(
-        "a word that nobody wrote",
+        "a word that was never written",
         &[&[Read(Unset, RLX)], &[Read(Unset, RLX), Read(Unset, RLX)]],
         all("0,00 1,11 g,gg"),
     ),

@@ -107,7 +107,7 @@ fn a_bound_test_that_is_off_by_one_is_caught() {
 }
 
 /// One pixel on memory that one thread owns: what became of its fragments, what it holds, and how often a word was used
-/// that is none of the method's.
+/// that is not the method's.
 fn run(method: &str, config: &Config, fragments: &[(u32, u32)]) -> (Vec<Outcome>, Keys, u64) {
     let instance = self::method(method).instance(config).expect("it has memory");
     let inputs = Inputs::defaults(instance.layout());

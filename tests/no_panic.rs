@@ -4,6 +4,7 @@
 //! What a command may do is end with 0, 1 or 2. `FRAGLOOM_RANDOM_COMMANDS=3000` draws more.
 
 #[path = "support/command.rs"]
+#[allow(dead_code, reason = "its other users use the rest")]
 mod command;
 
 use std::process::Command;
@@ -68,7 +69,6 @@ fn ways() -> Vec<String> {
     ways.push(format!("{draw} --memory-budget 2000"));
     ways.push(format!("{draw} --frames 2 --tile 16 --sub-pixel-bits 4"));
     ways.push("compare layers:count=3 -m METHOD --size 9x7 -k 1".to_owned());
-    ways.push("methods METHOD --json".to_owned());
     ways
 }
 
@@ -139,7 +139,7 @@ fn value(arg: &Arg, random: &mut Random, methods: &[&str]) -> String {
 /// A random line of a command, bounded where the command can be.
 fn line(random: &mut Random, methods: &[&str]) -> Vec<String> {
     let definition = cli::command();
-    // It computes for minutes, whatever it is told.
+    // It computes for minutes, whatever its options are.
     let commands: Vec<_> =
         definition.get_subcommands().filter(|c| c.get_name() != "reproduce").collect();
     let command = commands[random.below(commands.len() as u64) as usize];
@@ -161,15 +161,22 @@ fn line(random: &mut Random, methods: &[&str]) -> Vec<String> {
             words.push(value(arg, random, methods));
         }
     }
-    let takes = |id: &str| command.get_arguments().any(|arg| arg.get_id().as_str() == id);
+    let has_value = |arg: &Arg, option: &str| {
+        let short = arg.get_short().map(|c| format!("-{c}"));
+        let long = arg.get_long().map(|name| format!("--{name}"));
+        [short, long].into_iter().flatten().any(|own| own == option)
+    };
     for (id, bound) in [
         ("size", ["--size", "9x7"]),
         ("sizes", ["--size", "9x7"]),
         ("max_states", ["--max-states", "50"]),
         ("executions", ["--executions", "2"]),
+        ("fragments", ["-n", "2"]),
         ("repeats", ["--repeats", "1"]),
     ] {
-        if takes(id) && !names.contains(&id) {
+        let takes =
+            command.get_arguments().any(|arg| arg.get_id() == id && has_value(arg, bound[0]));
+        if takes && !names.contains(&id) {
             words.extend(bound.map(str::to_owned));
         }
     }
@@ -179,8 +186,8 @@ fn line(random: &mut Random, methods: &[&str]) -> Vec<String> {
 /// How long to wait between two looks at a command.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// After so many looks, 20 seconds, a command is stopped, and counted.
-const MOST_LOOKS: u32 = 10_000;
+/// After so many looks, 6 seconds, a command is stopped, and counted.
+const MOST_LOOKS: u32 = 3_000;
 
 /// Run words; what is wrong with how they ended, or that they were stopped.
 fn bounded(dir: &Dir, words: &[String]) -> Result<Option<String>, String> {
@@ -208,7 +215,7 @@ fn bounded(dir: &Dir, words: &[String]) -> Result<Option<String>, String> {
 #[test]
 fn random_commands() {
     let number = std::env::var("FRAGLOOM_RANDOM_COMMANDS").ok();
-    let number: u64 = number.map_or(250, |n| n.parse().expect("a number"));
+    let number: u64 = number.map_or(160, |n| n.parse().expect("a number"));
     let catalogue = Catalogue::built_in();
     let mut methods: Vec<&str> = catalogue.methods().iter().map(Method::name).collect();
     methods.extend(["nothing", "kb,ab-ll", ""]);
@@ -221,7 +228,7 @@ fn random_commands() {
     let found: Vec<&String> = ends.iter().filter_map(|end| end.as_ref().ok()?.as_ref()).collect();
     println!("{number} random commands, {} stopped for taking long", stopped.len());
     assert!(found.is_empty(), "{} of {number}: {found:#?}", found.len());
-    assert!(stopped.len() as u64 <= 1 + number / 50, "{stopped:#?}");
+    assert!(stopped.len() as u64 <= 1 + number / 10, "{stopped:#?}");
 }
 
 /// Negative controls.

@@ -1,6 +1,6 @@
-//! Who must be scheduled for everybody to end: the idioms of the published progress models (Sorensen et al., "Specifying
-//! and testing GPU workgroup progress models", OOPSLA 2021, Table 1), reconvergence of warps, helper invocations, and
-//! marks that claim too much.
+//! Which invocations must be scheduled for all to end: the idioms of the published progress models (Sorensen et al.,
+//! "Specifying and testing GPU workgroup progress models", OOPSLA 2021, Table 1), reconvergence of warps, helper
+//! invocations, and marks that claim too much.
 
 use fragloom::catalogue;
 use fragloom::explore::search::progress::ends;
@@ -32,20 +32,20 @@ const NO_BLOCKS: usize = 2;
 const TO_HIGHER: usize = 3;
 /// The last invocation sets a flag; the others wait for it.
 const TO_LOWER: usize = 4;
-/// All wait until those who have arrived are the first so many: whoever is missing comes before one who has arrived.
+/// All wait until those that have arrived are the lowest numbers: a missing one is below one that has arrived.
 const LINEAR_BARRIER: usize = 5;
 /// All wait for all.
 const BARRIER: usize = 6;
-/// Nobody waits.
+/// No invocation waits.
 const NO_WAIT: usize = 7;
-/// Who has failed `k` times gives up, and says all the same that every attempt is like the first.
+/// An invocation that has failed `k` times gives up, but claims that every attempt is like the first.
 const COUNTS: usize = 8;
 
-/// What comes next depends on the place that was taken, which is not said.
+/// What comes next depends on the place that was taken, which `here` leaves out.
 const FORGETS: usize = 9;
-/// Only the end depends on it, which is not said either.
+/// Only the end depends on it; `here` leaves it out, too.
 const FORGETS_ITS_END: usize = 10;
-/// It is said.
+/// `here` lists it.
 const REMEMBERS: usize = 11;
 
 const NAMES: [&str; 12] = [
@@ -86,7 +86,7 @@ impl<const IDIOM: usize> Waits<IDIOM> {
         self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
     }
 
-    /// Until the flag is as asked for.
+    /// Wait until the flag is as requested.
     async fn wait<M: Memory>(&self, mem: &M, pixel: u32, until: impl Fn(u32) -> bool) {
         let wait = mem.block();
         let mark = mem.mark();
@@ -219,8 +219,8 @@ fn who_ends<const IDIOM: usize>(n: u32, warp: Option<u32>) -> String {
 
 const ALL: &str = "unfair hsa obe hsa+obe lobe fair";
 
-/// The mutex needs that who has begun goes on; a message to a higher number, that lower ones get their turn; a message
-/// to a lower number, that all do.
+/// The mutex needs invocations that have begun to go on; a message to a higher number needs lower ones to get their
+/// turn; a message to a lower number needs all to.
 #[test]
 fn the_published_table() {
     for n in [2, 3] {
@@ -234,16 +234,16 @@ fn the_published_table() {
     }
 }
 
-/// What only linear occupancy-bound execution and full fairness give: 2 has arrived, 0 waits for 1, and nobody else has
-/// to schedule 1, which is neither the lowest nor has it begun. With two invocations the lowest is the missing one.
+/// What only linear occupancy-bound execution and full fairness give: 2 has arrived, 0 waits for 1, and no other model
+/// has to schedule 1, which is not the lowest and has not begun. With two invocations the lowest is the missing one.
 #[test]
 fn the_linear_barrier() {
     assert_eq!(who_ends::<LINEAR_BARRIER>(2, None), "hsa hsa+obe lobe fair");
     assert_eq!(who_ends::<LINEAR_BARRIER>(3, None), "lobe fair");
 }
 
-/// Lanes that leave a spin loop wait for those that cannot, since the holder of the lock is among those who wait. With the
-/// critical section inside of it, those who fail wait for the holder instead, and nobody goes round in vain.
+/// Lanes that leave a spin loop wait for those that cannot, since the lock's holder is among those that wait. With the
+/// critical section inside the loop, those that fail wait for the holder instead, and no lane spins forever.
 #[test]
 fn a_loop_before_the_critical_section_hangs_a_warp() {
     for n in [2, 3] {
@@ -271,7 +271,7 @@ fn hangs(subject: &Subject, row: &Finding) {
     let token = row.token.as_ref().expect("a token").parse().expect("a token of ours");
     let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
     let shown = replay::replay_of(subject, &token).expect("the same operations");
-    assert!(shown.run.end.is_none(), "somebody has not ended");
+    assert!(shown.run.end.is_none(), "an invocation has not ended");
     println!("{}, {:?}: {}, {}", row.method, row.progress, row.instance, row.message);
     match row.message.strip_prefix("after ") {
         Some(_) => assert!(row.message.ends_with("can move any more") && shown.cycle == 0),
@@ -304,7 +304,7 @@ fn an_unbounded_spin_under_lockstep_is_found() {
     hangs(&wrong, row(&rows, "simt"));
 }
 
-/// A helper's exchange may return anything, for ever; the others are not harmed by it.
+/// A helper's exchange may return anything, forever; it does no harm to the others.
 #[test]
 fn a_helper_may_never_get_the_lock() {
     let subject = Subject::of::<Waits<MUTEX>>();
@@ -332,7 +332,7 @@ fn a_helper_changes_nothing() {
     }
 }
 
-/// Without blocks nothing is known about where lanes come together: no verdict, and that is said.
+/// Without blocks nothing is known about where lanes come together: no verdict, and the row says so.
 #[test]
 fn waits_in_no_block_have_no_verdict_under_simt() {
     let rows =
@@ -348,8 +348,8 @@ fn explored<const IDIOM: usize>(n: u32, k: u32) -> Explored {
     explore(&Subject::of::<Waits<IDIOM>>(), &instance(n, Some(k)), conditions, &LIMITS)
 }
 
-/// Search takes two invocations for one where they stand at one place and say that nothing else matters; what comes
-/// next, and how they end, tells whether that is true.
+/// Search takes two invocations for one where they are at one place and say that nothing else matters; what comes next,
+/// and how they end, shows whether that is true.
 #[test]
 fn a_list_of_what_matters_that_leaves_something_out_is_found() {
     for found in [explored::<FORGETS>(2, 1), explored::<FORGETS_ITS_END>(2, 1)] {
@@ -361,7 +361,7 @@ fn a_list_of_what_matters_that_leaves_something_out_is_found() {
 }
 
 /// An invocation that counts its attempts is not where it was before. Search would take it for that, and never see it
-/// give up; it is told by repeating the wait.
+/// give up; repeating the wait shows the difference.
 #[test]
 fn a_mark_that_claims_too_much_is_found() {
     for patience in 2..=16 {

@@ -1,4 +1,4 @@
-//! The fast rasterizer against the reference, which is right by reading.
+//! The fast rasterizer against the reference, which is verified by reading.
 
 use fragloom::num::random::Random;
 use fragloom::raster::clip::{GUARD_BAND, Polygon, Snapped, UNITS, Viewport, doubled_area};

@@ -89,29 +89,14 @@ fn frame<O: Observer + Default>(
                         PassKind::Screen => {
                             each_tile(&|mem, tile| scheme.screen(&mem, number, pixels(tile)));
                         }
-                        PassKind::Frame => {
-                            let count = scheme.invocations(number);
-                            (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
-                                let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
-                                shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
-                            });
-                        }
+                        PassKind::Frame => frame_pass::<O>(scheme, number, &shared),
                     }
                     watch.lap(pass.name);
                 }
                 // A single round is resolved when it is finished.
                 Part::Resolve if !program.repeats => {}
                 Part::Resolve => {
-                    let tiles = collected.par_chunks_mut(tile_pixels as usize).enumerate();
-                    let resolve = |(tile, collected): (usize, &mut [Held])| {
-                        shared.with(|mem: Native<'_, O>| {
-                            let all = pixels(tile).zip(collected);
-                            all.fold(false, |again, (p, held)| {
-                                scheme.resolve(&mem, p, held) | again
-                            })
-                        })
-                    };
-                    again |= tiles.map(resolve).reduce(|| false, |a, b| a | b);
+                    again |= resolve_round::<O>(scheme, &mut collected, tile_pixels, &shared);
                 }
             }
         }
@@ -142,6 +127,36 @@ fn frame<O: Observer + Default>(
     let frame = Frame::new(job, tiles, &stored.reports, counters);
     let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared.global));
     Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
+}
+
+/// A pass over the frame's words, chunk by chunk.
+fn frame_pass<O: Observer + Default>(
+    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
+    number: usize,
+    shared: &SharedMemory<'_>,
+) {
+    let count = scheme.invocations(number);
+    (0..count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+        let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
+        shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
+    });
+}
+
+/// Resolve every pixel, tile by tile, in a program that repeats; whether a pixel needs another round.
+fn resolve_round<O: Observer + Default>(
+    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
+    collected: &mut [Held],
+    tile_pixels: u32,
+    shared: &SharedMemory<'_>,
+) -> bool {
+    let tiles = collected.par_chunks_mut(tile_pixels as usize).enumerate();
+    let resolve = |(tile, collected): (usize, &mut [Held])| {
+        shared.with(|mem: Native<'_, O>| {
+            let all = (tile as u32 * tile_pixels..).zip(collected);
+            all.fold(false, |again, (p, held)| scheme.resolve(&mem, p, held) | again)
+        })
+    };
+    tiles.map(resolve).reduce(|| false, |a, b| a | b)
 }
 
 /// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if it matters.

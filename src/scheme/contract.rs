@@ -61,15 +61,15 @@ pub struct Contract {
     pub default_k: Option<u32>,
     /// The largest `-k`.
     pub max_k: u32,
-    /// The most pixels, with those of tiles that the image's edge cuts.
+    /// The most pixels, including those of tiles that the image's edge cuts.
     pub max_pixels: u32,
     /// What it must know of the scene before memory is allocated.
     pub demand: Demand,
-    /// Fragments for which one index of its pool is, if it has one.
+    /// Fragments per index of its pool, if it has one.
     pub page: u32,
     /// In which order its store invocations enter.
-    pub entry: Entry,
-    /// The text of its source file, by `include_str!`: from it, a check knows which operations there are to be reached.
+    pub store_order: StoreOrder,
+    /// The text of its source file, by `include_str!`: a check reads from it which operations must be reached.
     pub source: &'static str,
 }
 
@@ -89,8 +89,8 @@ pub enum Dependence {
     Nothing,
     /// The order in which fragments arrive.
     Arrival,
-    /// How concurrent invocations interleave, even for a given order of arrival: fragments may be lost, doubled or torn,
-    /// and a run is judged against the generated multiset.
+    /// How concurrent invocations interleave, even for a given order of arrival: fragments may be lost, doubled or
+    /// torn, and a run is judged against the generated multiset.
     Interleaving,
     /// Both.
     ArrivalAndInterleaving,
@@ -112,7 +112,7 @@ impl Dependence {
         matches!(self, Self::Interleaving | Self::ArrivalAndInterleaving | Self::Ties)
     }
 
-    /// The same, and on how invocations interleave.
+    /// The same dependence, and also on how invocations interleave.
     #[must_use]
     pub const fn racy(self) -> Self {
         if self.on_arrival() { Self::ArrivalAndInterleaving } else { Self::Interleaving }
@@ -154,7 +154,7 @@ impl Overflow {
 
 /// In which order store invocations enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entry {
+pub enum StoreOrder {
     /// Any.
     Free,
     /// By the ordered interlock: each fragment knows its rank among its pixel's, in API order.
@@ -197,11 +197,11 @@ pub enum PassKind {
     Frame,
 }
 
-/// Who waits for whom between two passes.
+/// Which invocations wait for which between two passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Barrier {
-    /// Nobody: only a fault leaves a barrier out. The simulated device and the explorer then let the passes overlap.
+    /// None: only a fault leaves a barrier out. The simulated device and the explorer then let the passes overlap.
     Missing,
     /// The invocations of a pixel for those of the same pixel.
     Pixel,
@@ -307,14 +307,15 @@ pub enum Keeps {
     FirstArrivals,
     /// Every fragment, but for some of those behind others that let no light through.
     Visible,
-    /// Fewer than every fragment, by a fault of what was published: what is missing is counted as lost, and is no violation.
+    /// Fewer than every fragment, by a fault of what was published: what is missing is counted as lost, and is no
+    /// violation.
     Some,
     /// The k smallest in canonical order, with a k for each pixel: the words of the input of that name.
     NearestBy(&'static str),
     /// Records that stand for several fragments each: what [`super::Scheme::expected`] says.
     Merged,
-    /// Another answer than the exact one: what [`super::Scheme::expected`] says, if it says. Whether it may depend on
-    /// arrival is a matter of the contract's other fields, as ever.
+    /// Another answer than the exact one: what [`super::Scheme::expected`] says, if it says. The contract's other
+    /// fields say whether it may depend on arrival.
     Approximate(Limit),
 }
 
@@ -404,7 +405,7 @@ impl Contract {
             max_k: if takes_k { u32::MAX / 4 } else { u32::MAX },
             max_pixels: u32::MAX,
             demand: Demand::Nothing,
-            entry: Entry::Free,
+            store_order: StoreOrder::Free,
             source: "",
         }
     }
@@ -433,7 +434,7 @@ impl Contract {
         matches!(self.accounting, Accounting::Crossing)
     }
 
-    /// The accounting compares lists, for invocations cannot tell.
+    /// The accounting compares lists, since invocations cannot tell.
     #[must_use]
     pub const fn is_judged(&self) -> bool {
         matches!(self.accounting, Accounting::Judged)
@@ -454,7 +455,7 @@ impl Contract {
     /// It needs the ordered interlock.
     #[must_use]
     pub const fn is_interlocked(&self) -> bool {
-        matches!(self.entry, Entry::Interlock)
+        matches!(self.store_order, StoreOrder::Interlock)
     }
 
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.
@@ -468,7 +469,8 @@ impl Contract {
         }
     }
 
-    /// How many of each pixel's nearest fragments it is held to, with the given k and inputs, for so many storage pixels.
+    /// How many of each pixel's nearest fragments it is held to, with the given k and inputs, for so many storage
+    /// pixels.
     #[must_use]
     pub fn bound(&self, k: Option<u32>, layout: &Layout, inputs: &Inputs, pixels: u32) -> Bound {
         let Keeps::NearestBy(name) = self.keeps else { return Bound::of(self.reference_k(k)) };
@@ -478,7 +480,7 @@ impl Contract {
         }
     }
 
-    /// The words that it stores of a fragment, where `depth` and `data` are asked for: its own, where it has room for no
+    /// The words that it stores of a fragment, if `depth` and `data` are requested: its own, where it has room for no
     /// others.
     #[must_use]
     pub fn record(&self, depth: Option<Format>, data: Data) -> Record {
@@ -488,7 +490,7 @@ impl Contract {
         }
     }
 
-    /// What is kept of a pixel's sorted keys with the given k, where neither room nor arrival has a say.
+    /// What is kept of a pixel's sorted keys with the given k, where neither room nor arrival matters.
     pub fn keep(&self, keys: &mut Vec<u64>, k: Option<u32>) {
         if !self.keeps_alike() {
             keys.dedup();
@@ -505,7 +507,7 @@ impl Contract {
         matches!(self.dependence, Dependence::Nothing)
     }
 
-    /// Whether WGSL guarantees what the method needs; otherwise its results there may be right, and are not owed.
+    /// Whether WGSL guarantees what the method needs; otherwise its results there may be right, but are not guaranteed.
     #[must_use]
     pub fn is_within_wgsl(&self) -> bool {
         self.wgsl.is_none_or(|how| !how.contains("outside WGSL's guarantees"))

@@ -21,7 +21,7 @@ pub struct Course {
     repeats: bool,
 }
 
-/// A stage of a frame that is on its way.
+/// Where a running frame is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct At {
     /// The stage.
@@ -69,8 +69,8 @@ impl Course {
         (self.repeats && again).then_some(At { stage: first, round: at.round + 1 })
     }
 
-    /// Run a frame: `run` runs the parts of a stage to their end, and says whether a pixel asks for another round. The
-    /// number of rounds.
+    /// Run a frame: `run` runs the parts of a stage to their end, and says whether a pixel asks for another round.
+    /// Gives the number of rounds.
     ///
     /// # Errors
     /// What `run` fails with.

@@ -1,5 +1,5 @@
 //! The oracle: the sequential exact A-buffer. It has no invocations, no shared memory and no lock; it collects every
-//! fragment of a pixel, sorts them, and keeps the nearest k. Right by reading.
+//! fragment of a pixel, sorts them, and keeps the nearest k. It is verified by reading.
 
 use crate::fragment::{Fragment, Packet};
 use crate::raster::{Batch, FrontEnd, Record};
@@ -20,7 +20,7 @@ pub const CONTRACT: Contract = Contract {
     ..Contract::new("exact", Keeps::Nearest)
 };
 
-/// The fragments of every pixel of a tile, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.
+/// The fragments of a tile's pixels, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.
 #[must_use]
 pub fn tile(front: &FrontEnd, tile: usize, record: Record, k: Option<u32>) -> Vec<Vec<u64>> {
     let mut pixels = vec![Vec::new(); front.grid.pixels_per_tile()];

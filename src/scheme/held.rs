@@ -3,7 +3,7 @@
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
 pub type Keys = Vec<u64>;
 
-/// What one fragment, or several that were merged, is to whoever looks along the ray. Two are equal if their bits are.
+/// What one fragment, or several merged ones, contribute along the ray. Two are equal if their bits are.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Record {
     /// The depth word of its far end, in the run's format.
@@ -204,7 +204,7 @@ impl Held {
         }
     }
 
-    /// Forget what it holds, and keep its room.
+    /// Forget what it holds, and keep its capacity.
     #[inline]
     pub fn clear(&mut self) {
         match self {
@@ -241,7 +241,7 @@ impl Held {
         }
     }
 
-    /// Fragments and records that are there one by one.
+    /// Fragments and records that it holds one by one.
     #[inline]
     #[must_use]
     pub fn len(&self) -> usize {
@@ -252,7 +252,7 @@ impl Held {
         }
     }
 
-    /// Nothing is there one by one.
+    /// It holds nothing one by one.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -1,4 +1,4 @@
-//! The multi-fragment schemes: a room per family, one file per method, each written once for every memory.
+//! The multi-fragment schemes: a folder per family, one file per method, each written once for every memory.
 //!
 //! A scheme is invocations on memory. It declares its words ([`Layout`]), and then says what one invocation of each
 //! pass does: [`Scheme::clear`] and [`Scheme::resolve`] once per pixel, [`Scheme::store`] once per fragment. Between
@@ -7,11 +7,11 @@
 //! the catalogue.
 //!
 //! A frame is a clear pass, then one or more *rounds*. A round is the contract's [`contract::Program`]: passes over
-//! fragments, pixels or the frame's words, the last of which is the store pass; and resolve ([`course`]). Most methods have the
-//! store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks for it
-//! in [`Scheme::again`], as an application does that reads an occlusion query.
+//! fragments, pixels or the frame's words, the last of which is the store pass; and resolve ([`course`]). Most methods
+//! have the store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks
+//! for it in [`Scheme::again`], as in an application that reads an occlusion query.
 //!
-//! A room uses only rooms that stand before it in this order, and the files beside the rooms:
+//! A folder uses only folders before it in this order, and the files beside them (`tests/layering.rs` checks that):
 //!
 //! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table`
 
@@ -67,16 +67,16 @@ pub enum Outcome {
     Kept,
     /// Not stored: too far away.
     Culled,
-    /// Stored, and another fragment pushed out.
+    /// Stored; another fragment was displaced.
     Evicted,
-    /// Not stored, for want of room in the pixel's own storage.
+    /// Not stored: no room in the pixel's own storage.
     Overflow,
-    /// Not stored, for want of room in the frame's pool.
+    /// Not stored: no room in the frame's pool.
     Pool,
-    /// Not stored, for it is already there: same pixel, same depth, same data.
+    /// Not stored: it is already there, with the same pixel, depth and data.
     Duplicate,
-    /// Not stored: beyond the largest age of a hash table, or the table is full. Who is not stored may be another than
-    /// the invocation's own fragment, also of another pixel.
+    /// Not stored: beyond the largest age of a hash table, or the table is full. What is not stored may be another
+    /// fragment than the invocation's own, also of another pixel.
     Age,
     /// It went into another record, or into its pixel's colour. (7 is what a device says of an invocation that gave up
     /// waiting.)
@@ -103,7 +103,7 @@ pub enum Cells {
     Words64(Words<Global, Atomic, u64>),
 }
 
-/// When an invariant is looked at.
+/// When an invariant is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moment {
     /// Between any two operations of the store pass.
@@ -174,8 +174,8 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         Ok(())
     }
 
-    /// Which pixel's invariant depends on the value written to one of the frame's words, by its place among those of its
-    /// width; `None` if no pixel's does.
+    /// Which pixel's invariant depends on the value written to one of the frame's words, by its place among those of
+    /// its width; `None` if no pixel's does.
     fn owner(&self, bits: u32, word: u64, value: u64) -> Option<u32> {
         let _ = (bits, word, value);
         None
@@ -186,9 +186,9 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         None
     }
 
-    /// What a pixel must hold, given all its fragments in canonical order: a reference that is right by reading, with no
-    /// invocations in it. `None` where the contract says all: the exact fragments, or the nearest of them. Whoever merges
-    /// or approximates is held to this one, wherever its result may not depend on arrival.
+    /// What a pixel must hold, given all its fragments in canonical order: a reference that is verified by reading,
+    /// with no invocations in it. `None` where the contract says all: the exact fragments, or the nearest of them. A
+    /// method that merges or approximates is held to this one, wherever its result may not depend on arrival.
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Self::Holds> {
         let _ = (inputs, pixel, generated);
         None

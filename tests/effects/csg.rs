@@ -101,7 +101,7 @@ fn boundaries(set: &Set) -> Vec<(u64, bool)> {
     ends.filter(|&(at, _)| at > 0 && at < END).collect()
 }
 
-/// The objects' names, and which has a global triangle index.
+/// The objects' names, and which object has a global triangle index.
 fn objects(scene: &Scene) -> (Vec<&str>, impl Fn(u32) -> usize) {
     let counts: Vec<_> = scene.objects.iter().map(|object| object.mesh.triangles.len()).collect();
     let names = scene.objects.iter().map(|object| object.name.as_str()).collect();
@@ -292,7 +292,7 @@ fn open_meshes_are_counted_per_object() {
     assert!(render(&open, "a - c").report.open_pixels.is_empty(), "b is not in it");
 }
 
-/// Meshes of one name are one object, and a camera inside of one is told.
+/// Meshes of one name are one object, and a camera inside of one is reported.
 #[test]
 fn objects_by_name() {
     let mut scene = scene("cubes", [40, 32]);

@@ -37,7 +37,7 @@ fn effect(method: &str, effect: Effect) -> Options {
     Options { effect, data, ..options(method, None) }
 }
 
-/// Methods that keep everything here, and who runs them.
+/// Methods that keep everything here, on each executor.
 fn runs() -> Vec<(&'static str, Exec)> {
     let executors = [Exec::Tile, Exec::Threads, sim(Policy::Random, 3)];
     let methods = ["exact", "ab-ll", "ab-array", "s-buffer", "kplus-array"];

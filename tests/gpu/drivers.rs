@@ -112,7 +112,7 @@ fn what_leaves_the_viewport_goes_the_compute_way() {
     }
 }
 
-/// On a device with little room a picture is drawn in bands, to the same end; one without room for a band says so.
+/// On a device with little room a picture is drawn in bands, with the same result; one without room for a band says so.
 #[test]
 fn pictures_are_cut_to_fit() {
     let _turn = turn();
@@ -143,7 +143,7 @@ fn methods(names: &[&'static str]) -> Options {
     Options { twins, ..Options::default() }
 }
 
-/// With as many slots as fragments nobody is dropped; with fewer, the contract allows any of them, and no others.
+/// With as many slots as fragments none is dropped; with fewer, the contract allows any of them, and no others.
 #[test]
 fn arrival_decides_only_where_the_contract_says_so() {
     let _turn = turn();
@@ -204,9 +204,10 @@ fn ties_may_be_confused_and_nothing_else() {
     }
 }
 
-/// Who gives up waiting is run again, on both paths, and counted; one who would wait for ever is a failure.
+/// An invocation that gives up waiting is run again, on both paths, and counted; one that would wait forever is a
+/// failure.
 #[test]
-fn who_gives_up_waiting_is_run_again() {
+fn an_invocation_that_gives_up_waiting_is_run_again() {
     let _turn = turn();
     let second_time = "attempt < select(0u, PATIENCE, fragment.outcome == STUCK)";
     let late = mutant("kplus-array", "attempt < PATIENCE", second_time);
@@ -359,8 +360,8 @@ fn a_flipped_bit_is_seen() {
     }
 }
 
-/// Vertices that are not on the device's grid are moved onto it by the device, and then edges differ: sub-pixel precision
-/// matters, and is measured right.
+/// Vertices that are not on the device's grid are moved onto it by the device, and then edges differ: sub-pixel
+/// precision matters, and is measured right.
 #[test]
 fn a_finer_grid_than_the_device_has_is_seen() {
     let _turn = turn();
@@ -380,7 +381,7 @@ fn a_finer_grid_than_the_device_has_is_seen() {
     }
 }
 
-/// A device that does not come back is reported, and what follows is not waited for. Some drivers end any loop after
+/// A device that does not come back is reported, and later calls do not wait for it. Some drivers end any loop after
 /// 65,535 iterations, and come back.
 #[test]
 fn a_hang_is_survived() {

@@ -1,8 +1,8 @@
 //! The schemes' twins in WGSL: without a driver, that they are valid and have their words where the simulator has them;
 //! with drivers, that these compute what the simulator computes.
 //!
-//! Tests that need a driver say so where there is none. With `FRAGLOOM_ADAPTERS=2` in the environment, as CI has it, fewer
-//! than two adapters fail.
+//! Tests that need a driver say so where there is none. With `FRAGLOOM_ADAPTERS=2` in the environment, as CI has it,
+//! fewer than two adapters fail.
 
 #![cfg(feature = "gpu")]
 

@@ -75,7 +75,7 @@ fn gaps_are_warnings() {
     let mixed = parse(&format!("{SQUARE}vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4")).unwrap();
     assert!(mixed.objects[0].mesh.normals.is_empty() && mixed.warnings[0].contains("normals"));
     let line = square("f 1 2 3\nl 1 2 3\np 1").unwrap();
-    assert_eq!(line.triangles(), 1, "lines and points are no faces");
+    assert_eq!(line.triangles(), 1, "lines and points are not faces");
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Running the real binary in a folder of its own.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot run its binary fails")]
-#![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

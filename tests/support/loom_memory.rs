@@ -3,7 +3,7 @@
 //!
 //! Plain words are relaxed atomics here: loom then shows stale values where a happens-before edge is missing, and a
 //! check sees them as wrong contents. A thread that has waited `patience` times explores no further alternatives
-//! (`loom::skip_branch`): without that, three threads at one lock are without end. So models hold for waiters that fail
+//! (`loom::skip_branch`): without that, three threads at one lock have no end. So models hold for waiters that fail
 //! at most `patience` times.
 
 use std::cell::Cell;
@@ -70,8 +70,8 @@ impl<'a> Loom<'a> {
 }
 
 /// An exchange that writes nothing where it finds its own value. loom keeps modification order partial: it would let a
-/// waiter read its own failed exchange for ever, past the unlock (tokio-rs/loom#254). Leaving that write out changes no
-/// value that anybody can read.
+/// waiter read its own failed exchange forever, past the unlock (tokio-rs/loom#254). Leaving that write out changes no
+/// value that any thread can read.
 fn exchange(cell: &AtomicU64, new: u64, success: Ordering, failure: Ordering) -> u64 {
     let mut expected = 0;
     loop {

@@ -1,4 +1,4 @@
-//! A method with an operation that no litmus pixel reaches: a check that says nothing of it would say too much.
+//! A method with an operation that no litmus pixel reaches: a check that does not report it would claim too much.
 
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Atomic, Layout, Memory, Order, Pixel, Words};

@@ -384,7 +384,7 @@ impl<'a> Forest<'a> {
     ///
     /// "Below" are the nodes whose chain has the target in it, and ends. Further edges to a node that was there are
     /// claims of their own, and are compared from their own node, not from here. If there are too many comparisons,
-    /// the rest is left out, and that is not told.
+    /// the rest is left out silently.
     pub(in crate::explore) fn check_claims(&self) -> std::result::Result<usize, String> {
         let mut compared = 0;
         let mut below: BTreeMap<NodeId, Paths> = BTreeMap::new();

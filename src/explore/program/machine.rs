@@ -34,7 +34,7 @@
 //! all ones (resolve). A barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
 //! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
 //! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end. A
-//! task that runs alone is cut off after [`Overlay::MOST_STEPS`], and that is not told. Here the method's invariant
+//! task that runs alone is cut off after [`Overlay::MOST_STEPS`], and nothing reports it. Here the method's invariant
 //! is looked at between rounds, and not at barriers within a round. If lanes leave a block together, only the one
 //! that moves is asked for faults.
 //!

@@ -1,7 +1,7 @@
 //! What is explored: a method's invocations on a few fragments, as a machine that moves from state to state.
 //!
-//! A [`litmus`] pixel defines the invocations; a [`case`] is a litmus pixel with a method's words. Its invocations are
-//! replayed from their answers, and each place where one can be is kept once in a [`forest`]. The [`machine`] combines
+//! A [`litmus`] pixel defines the invocations; a `case` is a litmus pixel with a method's words. Its invocations are
+//! replayed from their answers, and each place where one can be is kept once in a `forest`. The `machine` combines
 //! forest and memory: a state, the moves from it, and where each move leads. A [`schedule`] is a list of moves.
 
 pub(super) mod case;

@@ -1,4 +1,4 @@
-//! Searching a machine's states: for results that break a [`property`], and for invocations that never end.
+//! Searching a machine's states: for results that break a `property`, and for invocations that never end.
 
 pub(super) mod exhaustive;
 pub mod progress;

@@ -1,8 +1,8 @@
-//! A-buffer in per-pixel linked lists (Yang, Hensley, Grün, Thibieroz, "Real-time concurrent linked list construction on
-//! the GPU", 2010).
+//! A-buffer in per-pixel linked lists (Yang, Hensley, Grün, Thibieroz, "Real-time concurrent linked list construction
+//! on the GPU", 2010).
 //!
 //! A global counter hands out nodes; an atomic exchange on the pixel's head publishes a node, and its old value becomes
-//! the node's next, which can only be written afterwards. That is harmless here: nobody reads a node before the
+//! the node's next, which can only be written afterwards. That is harmless here: no invocation reads a node before the
 //! barrier. The pool holds as many nodes as the scene has fragments.
 
 use std::marker::PhantomData;
@@ -28,8 +28,8 @@ pub trait Variant: Send + Sync + 'static {
 #[derive(Debug)]
 pub enum Correct {}
 
-/// M11: a node is published before anything of it is written. Expected to be equivalent: nobody reads a node before
-/// the barrier.
+/// M11: a node is published before anything of it is written. Expected to be equivalent: no invocation reads a node
+/// before the barrier.
 #[derive(Debug)]
 pub enum PublishedFirst {}
 
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(HandMade::<AbLinkedList>::new(None, 3).check(Moment::Quiet), Ok(()));
         assert_eq!(list(NONE, &[]).check(Moment::Quiet), Ok(()));
         assert_eq!(list(2, &[NONE, 0, 1]).check(Moment::Quiet), Ok(()));
-        assert_eq!(list(0, &[1, 0]).check(Moment::Always), Ok(()), "looked at in the end only");
+        assert_eq!(list(0, &[1, 0]).check(Moment::Always), Ok(()), "checked in the end only");
     }
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
         let cases = [
             (list(0, &[1, 0]), "does not end"),
             (list(3, &[NONE, NONE, NONE]), "node 3, of 3"),
-            (list(1, &[NONE]), "node 1 is in the list, and nobody wrote it"),
+            (list(1, &[NONE]), "node 1 is in the list but was not written"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

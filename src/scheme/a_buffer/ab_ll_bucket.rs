@@ -29,7 +29,7 @@ pub trait Variant: Send + Sync + 'static {
     const CONTRACT: Contract;
     /// Whether the far end belongs to the last bucket.
     const CLOSED: bool = true;
-    /// Bits of depth that the range pass has not.
+    /// Bits of depth that the range pass lacks.
     const COARSE: u32 = 0;
 }
 
@@ -235,7 +235,7 @@ mod tests {
             (lists([3, NONE, NONE, NONE], &[]), "node 3, of 3"),
             (
                 lists([1, NONE, NONE, NONE], &[(NONE, 1)]),
-                "node 1 is in the list, and nobody wrote it",
+                "node 1 is in the list but was not written",
             ),
         ];
         for (lists, words) in cases {

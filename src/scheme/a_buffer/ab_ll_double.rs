@@ -1,10 +1,10 @@
-//! A-buffer in doubly linked lists: reconstructed. Surveys name the variant; we know of no text that defines it, so this
+//! A-buffer in doubly linked lists: reconstructed. Surveys name the variant; we found no text that defines it, so this
 //! is the plain extension of `ab-ll` (Yang et al. 2010).
 //!
 //! As there, an atomic exchange on the pixel's head publishes a node, and its old value becomes the node's next. The
 //! new node is the first, so it has no previous one, and says so before it is published; the old head learns of its
 //! previous afterwards, from the invocation that displaced it. That is the only word of a node that two invocations
-//! write, one after the other, and so the exchange releases and acquires: or "none" might land last.
+//! write, one after the other. So the exchange releases and acquires: otherwise "none" might land last.
 //!
 //! Resolve walks to the end by `next`, and collects on the way back by `previous`, so that it depends on both.
 
@@ -129,7 +129,7 @@ impl<V: Variant> Scheme for AbDoubleList<V> {
             let number = node.map_err(|flaw| flaw.to_string())?.number;
             let previous = words.get(self.previous.at(number.into()));
             let previous =
-                previous.ok_or_else(|| format!("nobody wrote node {number}'s previous"))?;
+                previous.ok_or_else(|| format!("node {number}'s previous was never written"))?;
             if previous != before {
                 return Err(format!("node {number} leads back to {previous} instead of {before}"));
             }
@@ -176,7 +176,7 @@ mod tests {
         let right = list(2, &[(NONE, 1), (0, 2), (1, NONE)]);
         assert_eq!(right.check(Moment::Quiet), Ok(()));
         let wrong = list(1, &[(NONE, NONE), (0, NONE)]);
-        assert_eq!(wrong.check(Moment::Always), Ok(()), "looked at in the end only");
+        assert_eq!(wrong.check(Moment::Always), Ok(()), "checked in the end only");
     }
 
     #[test]
@@ -185,7 +185,7 @@ mod tests {
             (list(1, &[(NONE, NONE), (0, NONE)]), "node 0 leads back to 4294967295 instead of 1"),
             (list(0, &[(1, NONE), (0, 0)]), "node 0 leads back to 4294967295 instead of 1"),
             (list(3, &[]), "node 3, of 3"),
-            (list(1, &[(NONE, NONE)]), "node 1 is in the list, and nobody wrote it"),
+            (list(1, &[(NONE, NONE)]), "node 1 is in the list but was not written"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

@@ -2,12 +2,12 @@
 //!
 //! A page holds four fragments, so that a pixel asks the frame's counter a quarter as often and its fragments lie
 //! together. Slots are handed out under a lock per pixel: the fragment counter says which slot of the current page is
-//! next, and whoever finds the page full takes a new one and links it to the old. The record itself is written after
-//! the lock is free again: its slot belongs to nobody else, and nobody reads it before the barrier.
+//! next, and an invocation that finds the page full takes a new one and links it to the old. The record itself is
+//! written after the lock is free again: no other invocation has its slot, and none reads it before the barrier.
 //!
 //! The lock is released by an ordered store, since counter and page are read by its next holder (the published shader
-//! spends an atomic exchange on that, says the k+-buffer paper; a plain store is fault M1). A pixel that gets no page
-//! raises no counter.
+//! spends an atomic exchange on that, says the k+-buffer paper; a plain store is fault M1). Where a pixel gets no page,
+//! its counter is not raised.
 
 use std::marker::PhantomData;
 
@@ -191,7 +191,7 @@ impl<V: Variant> Scheme for AbPagedList<V> {
         let count = words.get(self.counter.at(pixel, 0));
         let (Moment::Quiet, Some(count)) = (moment, count) else { return Ok(()) };
         if held == Some(true) {
-            return Err("nobody holds the lock, but it is not free".to_owned());
+            return Err("no invocation holds the lock, but it is not free".to_owned());
         }
         let mut page = words.get(self.page.at(pixel, 0)).unwrap_or(NONE);
         let needed = count.div_ceil(PAGE);
@@ -200,7 +200,7 @@ impl<V: Variant> Scheme for AbPagedList<V> {
                 return Err(format!("{number} pages instead of {needed}, then page {page}"));
             }
             let next = words.get(self.pages.at(first(page)));
-            page = next.ok_or_else(|| format!("nobody wrote where page {page} leads to"))?;
+            page = next.ok_or_else(|| format!("page {page}'s link was never written"))?;
         }
         if page == NONE { Ok(()) } else { Err(format!("more than {needed} pages: {page}")) }
     }
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(list(0, NONE, &[]).check(Moment::Quiet), Ok(()));
         assert_eq!(list(4, 1, &[NONE, NONE]).check(Moment::Quiet), Ok(()));
         assert_eq!(list(9, 1, &[NONE, 2, 0]).check(Moment::Quiet), Ok(()));
-        assert_eq!(list(9, 0, &[NONE]).check(Moment::Always), Ok(()), "looked at in the end only");
+        assert_eq!(list(9, 0, &[NONE]).check(Moment::Always), Ok(()), "checked in the end only");
     }
 
     #[test]
@@ -267,7 +267,7 @@ mod tests {
             (list(5, 0, &[NONE]), "1 pages instead of 2"),
             (list(1, 3, &[]), "0 pages instead of 1, then page 3"),
             (list(4, 1, &[NONE, 0]), "more than 1 pages: 0"),
-            (list(1, 1, &[NONE]), "nobody wrote where page 1"),
+            (list(1, 1, &[NONE]), "page 1's link was never written"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

@@ -80,7 +80,7 @@ impl Scheme for DynamicFragmentBuffer {
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let counter = self.counter.at(fragment.pixel, 0);
         let left = mem.add(counter, 1u32.wrapping_neg(), Order::Relaxed).await;
-        // The last to come find the local array full: the range is filled from its end.
+        // The last to arrive find the local array full: the range is filled from its end.
         let index = left.wrapping_sub(1);
         let length = mem.plain_load(self.length.at(fragment.pixel, 0)).await;
         let place = length.wrapping_sub(left);

@@ -1,18 +1,18 @@
 //! HA-buffer (Lefebvre, Hornus, Lasram, "HA-Buffer: Coherent hashing for single-pass A-buffer", INRIA RR-8282, 2013).
 //!
-//! All fragments of a frame are in one hash table. A fragment walks its pixel's cells, age by age, and an atomic maximum
-//! puts its record where that is larger than what is there. Records have the age in their upper bits, so that the older
-//! wins (Robin Hood); then the depth, reversed, so that of two fragments of one pixel the nearer wins. Who is pushed out
-//! walks on, carried by the invocation that pushed it, whose pixel need not be its own: the cell and its age name it
-//! (see [`super::table`]). So an invocation may end with another pixel's fragment, and the accounting of drops holds for
-//! the frame.
+//! All fragments of a frame are in one hash table. A fragment walks its pixel's cells, age by age, and an atomic
+//! maximum puts its record where that is larger than what is there. Records have the age in their upper bits, so that
+//! the older wins (Robin Hood); then the depth, reversed, so that of two fragments of one pixel the nearer wins. A
+//! displaced record walks on, carried by the invocation that displaced it, and may be of another pixel: the cell and
+//! the age identify the pixel (see [`super::table`]). So an invocation may end with another pixel's fragment, and the
+//! accounting of drops holds for the frame.
 //!
-//! Two properties make it work (section 4.1.2), and checks look at both after every step: cells only grow; and
-//! Proposition A: where a record of pixel p is found at age a, every cell of p's walk before holds at least what that
-//! record would be there. So the ages of a pixel's fragments grow with depth, and a walk ends at the first cell whose
-//! record is younger than the walk.
+//! Two properties make it work (section 4.1.2), and checks test both after every step: cells only grow; and Proposition
+//! A: where a record of pixel p is found at age a, every cell of p's walk before holds at least what that record would
+//! be there. So the ages of a pixel's fragments grow with depth, and a walk ends at the first cell whose record is
+//! younger than the walk.
 //!
-//! The result does not depend on any schedule: it is a stable matching of fragments and cells, of which there is one.
+//! The result does not depend on any schedule: it is the stable matching of fragments and cells, which is unique.
 //!
 //! Deviations. Resolve takes every age up to the largest (the paper's listing subtracts 1 from it *and* stops before:
 //! as published, it never sees the last fragment). Two records that are wholly alike are one: the published rule
@@ -36,7 +36,7 @@ const FAR: u32 = 0xFF_FFFF;
 /// The pass that clears the table.
 pub(super) const CLEAR: Pass = Pass::new("clear table", PassKind::Frame, Barrier::Frame);
 
-/// Clear, then store, and nobody resolves before all are in.
+/// Clear, then store; resolve begins when all records are in.
 pub(super) const PROGRAM: Program = Program {
     passes: &[CLEAR, Pass::store(Barrier::Frame)],
     before_resolve: Barrier::Frame,
@@ -128,9 +128,9 @@ pub trait Variant<R>: Send + Sync + 'static {
     const LAST_AGE: bool = true;
     /// Whether an age beyond the largest is refused.
     const LIMITED: bool = true;
-    /// Whether who was pushed out is inserted again.
+    /// Whether a displaced record is inserted again.
     const REINSERTS: bool = true;
-    /// Whether the largest age is told.
+    /// Whether the largest age of the block is updated.
     const TELLS_AGE: bool = true;
     /// Whether the pixel of an evicted record follows from the record's own age, or from that of the evicting one.
     const OWN_OFFSET: bool = true;
@@ -142,7 +142,7 @@ pub trait Variant<R>: Send + Sync + 'static {
     const BY_DEPTH: bool = true;
 }
 
-/// As published, but that nothing is lost in resolve.
+/// As published, except that resolve loses nothing.
 #[derive(Debug)]
 pub enum Correct {}
 

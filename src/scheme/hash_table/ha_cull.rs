@@ -1,17 +1,17 @@
-//! HA-buffer with early culling (Lefebvre, Hornus, Lasram 2013, section 5): who passes enough opaque fragments of its
-//! own pixel on its walk gives up, since it cannot be seen.
+//! HA-buffer with early culling (Lefebvre, Hornus, Lasram 2013, section 5): a walk that passes enough opaque fragments
+//! of its own pixel ends, since its fragment cannot be seen.
 //!
 //! A walk meets its pixel's fragments front to back, and lets light pass them one by one. The paper says that this is
-//! conservative. As published it is not: while invocation A walks from age i to i + 1, another may put a fragment at age
-//! i and push the one that A has just counted to i + 1, where A counts it a second time (claim C11). And with equal
+//! conservative. As published it is not: while invocation A walks from age i to i + 1, another may put a fragment at
+//! age i and move the one that A has just counted to i + 1, where A counts it a second time (claim C11). And with equal
 //! depths, "in front" is the order of data words, which need not be that of blending.
 //!
 //! Here a fragment is counted only if it is strictly nearer, and comes after all that were counted before, in the
-//! table's order (depth, then the larger data word): so none is counted twice, and what is counted is a part of what is
-//! really in front. Less light passes the whole than a part, also in fixed point ([`crate::scheme::parts::visible`]): whoever is
-//! culled cannot be seen, under any interleaving.
+//! table's order (depth, then the larger data word). So none is counted twice, and what is counted is a part of what is
+//! really in front. A part lets no less light pass than the whole, also in fixed point
+//! ([`crate::scheme::parts::visible`]): a culled fragment cannot be seen, under any interleaving.
 //!
-//! Which of the hidden fragments are culled depends on who comes first; what can be seen does not.
+//! Which of the hidden fragments are culled depends on which come first; what can be seen does not.
 //!
 //! The published loop ends after `MAX_ITER` turns at the latest. Ours ends by itself, since cells only grow.
 
@@ -92,13 +92,13 @@ impl Variant for Braces {
     const CONTRACT: Contract = CONTRACT.fault(
         "ha64-cull@braces",
         "Fault braces: the age grows at the end of every turn, as the listing's braces have it",
-        "nobody is pushed out",
+        "no record is displaced",
     );
     const ONCE: bool = false;
     const BRACES: bool = true;
 }
 
-/// Who is carried, and what is known to be in front of it.
+/// What is known to be in front of the carried fragment.
 #[derive(Clone, Copy)]
 struct Front {
     light: u32,
@@ -109,7 +109,7 @@ struct Front {
 impl Front {
     const NOTHING: Self = Self { light: CLEAR, last: u64::MAX };
 
-    /// A fragment in front of who is carried.
+    /// A fragment in front of the carried one.
     #[inline(always)]
     fn count<V: Variant>(&mut self, met: u64, own: u64) {
         let place = Bits64::pack(0, met);
@@ -175,11 +175,11 @@ impl<V: Variant> Scheme for HaCull<V> {
                 mem.note(Event::Eviction);
                 (place, own) = (table.origin(cell, theirs), Bits64::key(old));
                 if theirs != age {
-                    // Of another pixel, so far as can be known.
+                    // It may be of another pixel.
                     front = Front::NOTHING;
                     age = theirs + 1;
                 }
-                // Else it is tried again at this age, where it meets who pushed it.
+                // Else it is tried again at this age, where it meets the record that displaced it.
                 age += u32::from(V::BRACES);
             } else {
                 if theirs == age {

@@ -1,10 +1,10 @@
 //! Coherent hashing with explicit keys (García, Lefebvre, Hornus, Lasram 2011, as the HA-buffer paper describes it in
 //! section 2.5.1), for fragments: what the HA-buffer is measured against.
 //!
-//! A record is age 8 | key 24 | data 32, from the upper bits to the lower. The key is the pixel, and takes the room of
-//! the depth; so the data word is the number of a node, and the fragment is there. All fragments of a pixel have its
-//! key, and stand anywhere on its walk; who is pushed out is known by the key, not by its age, so that a table may also
-//! be smaller than the screen. Lists come out unsorted.
+//! A record is age 8 | key 24 | data 32, from the upper bits to the lower. The key is the pixel, and takes the place of
+//! the depth; so the data word is the number of a node, which holds the fragment. All fragments of a pixel have its
+//! key, and stand anywhere on its walk. A displaced record is identified by its key, not by its age, so that a table
+//! may also be smaller than the screen. Lists come out unsorted.
 //!
 //! The listing in the paper keeps the *inserting* record's data when it goes on with the evicted key; that is
 //! `hash-coherent@published`.
@@ -70,7 +70,7 @@ impl Variant for Published {
         title: "Coherent hashing as listed: an evicted key goes on with the other's data",
         form: Form::Published,
         keeps: Keeps::Some,
-        exact_when: "nobody is pushed out",
+        exact_when: "no record is displaced",
         dependence: Dependence::ArrivalAndInterleaving,
         ..CONTRACT
     };
@@ -154,7 +154,7 @@ impl<V: Variant> Scheme for HashCoherent<V> {
         }
     }
 
-    /// In the end, the largest age of a block is.
+    /// In the end, no record is beyond the largest age of its block.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
         let place = self.table.place(pixel);
         for at in 1..=self.table.ages() {

@@ -3,8 +3,8 @@
 //!
 //! At age a, pixel p looks at cell p + offset(a) mod H, for both axes: neighbours look at neighbouring cells. Where the
 //! table is at least as large as the screen on each axis, no two pixels look at one cell at the same age, so that a
-//! cell and an age name a pixel: the age equivalence of section 4.1.1. (The paper asks for a table of more *cells* than
-//! the screen has pixels. That is enough in one dimension; in two, each axis has to hold.)
+//! cell and an age identify a pixel: the age equivalence of section 4.1.1. (The paper asks for a table of more *cells*
+//! than the screen has pixels. That is enough in one dimension; in two, it must hold on each axis.)
 //!
 //! A second table has the largest age of every block of 8x8 pixels.
 
@@ -21,7 +21,7 @@ pub const MOST_AGES: u32 = 255;
 /// The most cells of a table.
 pub const MOST_CELLS: u64 = 1 << 31;
 
-/// Load for which a table is sized where nobody says, in per cent: what the paper recommends for speed (section 6.2).
+/// Load for which a table is sized unless given, in per cent: what the paper recommends for speed (section 6.2).
 pub const DEFAULT_LOAD: u32 = 50;
 
 /// Words that one invocation of the clear pass clears.
@@ -33,7 +33,7 @@ const BLOCK: u32 = 8;
 /// Streams of random numbers.
 const OFFSETS: u64 = 0x0FF5;
 
-/// Candidates among which the farthest point is looked for.
+/// Candidates for the farthest point.
 const CANDIDATES: usize = 4_096;
 
 /// How a table is made.
@@ -105,8 +105,8 @@ impl TableSettings {
     }
 }
 
-/// The size of a table that has at least as many cells, is at least as large as the screen on each axis, and else has its
-/// proportions.
+/// The size of a table that has at least as many cells, is at least as large as the screen on each axis, and else has
+/// its proportions.
 #[must_use]
 pub fn size_for(cells: u64, screen: [u32; 2]) -> [u32; 2] {
     let [width, height] = screen.map(|edge| u64::from(edge.max(1)));
@@ -229,7 +229,8 @@ impl<W: Word> Table<W> {
         [x % self.size[0], y % self.size[1]]
     }
 
-    /// Whether a storage place is a pixel of the image: tiles that its edge cuts have others, which no fragment reaches.
+    /// Whether a storage place is a pixel of the image: tiles that its edge cuts have others, which no fragment
+    /// reaches.
     #[inline(always)]
     #[must_use]
     pub fn is_seen(&self, pixel: u32) -> bool {
@@ -262,8 +263,8 @@ impl<W: Word> Table<W> {
         [turn(x + 1, self.size[0]), y]
     }
 
-    /// Where the walk began that is at this cell at this age. An age that there is not, which only a faulty form finds, has
-    /// offset 0, as an access outside of a buffer reads on a robust device.
+    /// Where the walk that is at this cell at this age began. An age that does not exist, which only a faulty form
+    /// finds, has offset 0, as an access outside of a buffer reads on a robust device.
     #[inline(always)]
     #[must_use]
     pub fn origin(&self, [x, y]: Place, age: u32) -> Place {
@@ -314,7 +315,7 @@ impl<W: Word> Table<W> {
     }
 }
 
-/// `x` on a circle, where it has gone round at most once.
+/// `x` modulo `size`, for an `x` below twice the size.
 #[inline(always)]
 fn turn(x: u32, size: u32) -> u32 {
     if x >= size { x - size } else { x }

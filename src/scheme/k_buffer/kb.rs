@@ -143,7 +143,7 @@ mod tests {
         for entries in [&[][..], &[5, 5, 6, 9], &[key(1, 3), key(2, 1), empty, key(EMPTY, 2)]] {
             assert_eq!(pixel(entries).check(Moment::Quiet), Ok(()));
         }
-        assert_eq!(pixel(&[6, 5]).check(Moment::Always), Ok(()), "looked at in the end only");
+        assert_eq!(pixel(&[6, 5]).check(Moment::Always), Ok(()), "checked in the end only");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::scheme::contract::{Accounting, Keeps, Overflow};
 use crate::scheme::parts::select;
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
-/// An A-buffer that k is selected from.
+/// An A-buffer from which k are selected.
 pub trait Base: Scheme<Holds = Keys> {
     /// The contract of the k-buffer made of it.
     const SELECTED: Contract;
@@ -23,7 +23,7 @@ pub trait Base: Scheme<Holds = Keys> {
 
 /// What resolve keeps of an A-buffer.
 pub trait Choice<A>: Send + Sync + 'static {
-    /// The contract that comes of it.
+    /// The contract of the result.
     const CONTRACT: Contract;
     /// Keep k of a pixel's keys.
     fn cut(keys: &mut Keys, k: usize);

@@ -3,18 +3,18 @@
 //!
 //! A fragment walks its pixel's list from the front. Behind k nodes it is culled; else its node goes before the first
 //! that is farther, by a compare-exchange on its predecessor's link. Nodes never leave the list, they only fall behind
-//! the k-th, where resolve does not look. Hence
-//! * a predecessor stays one: who loses a compare-exchange goes on from where it stands, and not from the front;
-//! * nodes counted in front are in front for good, so that nobody is culled who belongs to the k nearest;
+//! the k-th, where resolve does not look. Hence:
+//! * a predecessor stays one: an invocation that loses a compare-exchange goes on from that node, not from the front;
+//! * nodes counted in front stay in front, so that no fragment of the k nearest is culled;
 //! * each failure means that another got in, so that insertions end without waiting.
 //!
 //! Walkers read nodes while others insert. A node is complete before the compare-exchange that publishes it, which
-//! releases; links are read by acquire loads. Depth and data can then be plain: whoever reaches a node through however
-//! many others does so behind everything that made it.
+//! releases; links are read by acquire loads. Depth and data can then be plain: what made a node happens before any
+//! read that reaches it, through however many other nodes.
 //!
-//! Data words decide among equal depths. Whether a fragment pushes another out, its
-//! invocation cannot know: two that insert into a list of k - 1 nodes at the same time both saw room, and both find
-//! k + 1 afterwards. So none says so, and the accounting compares lists.
+//! Data words decide among equal depths. An invocation cannot know whether its fragment displaces another: two that
+//! insert into a list of k - 1 nodes at the same time both saw room, and both find k + 1 afterwards. So none reports
+//! it, and the accounting compares lists.
 
 use std::marker::PhantomData;
 
@@ -38,7 +38,7 @@ pub trait Variant: Send + Sync + 'static {
 #[derive(Debug)]
 pub enum Correct {}
 
-/// M11: a node is published before it is written. Others that walk meanwhile read what nobody wrote.
+/// M11: a node is published before it is written. Others that walk meanwhile read words that were never written.
 #[derive(Debug)]
 pub enum PublishedFirst {}
 
@@ -163,7 +163,7 @@ impl<V: Variant> Scheme for KNearestList<V> {
         for node in self.lists.nodes(words, pixel, 0) {
             let node = match node {
                 Ok(node) => node,
-                // That is for those to find out who read it.
+                // An invocation that reads it finds that out.
                 Err(Flaw::Unwritten(_)) if moment == Moment::Always => return Ok(()),
                 Err(flaw) => return Err(flaw.to_string()),
             };
@@ -218,7 +218,7 @@ mod tests {
             (list(0, &[(1, 5), (NONE, 4)]), "node 1 is nearer than the one before"),
             (list(0, &[(1, 5), (0, 5)]), "does not end"),
             (list(3, &[]), "node 3, of 3"),
-            (list(0, &[(1, 5)]), "node 1 is in the list, and nobody wrote it"),
+            (list(0, &[(1, 5)]), "node 1 is in the list but was not written"),
         ];
         for (list, words) in cases {
             let message = list.check(Moment::Quiet).unwrap_err();

@@ -1,12 +1,13 @@
-//! The multi-pass k-buffer (Liu, Wei, Xu, Wu, "Multi-layer depth peeling via fragment sort", 2009): rounds of a k-buffer
-//! without synchronisation, made robust by looking afterwards at what became of it.
+//! The multi-pass k-buffer (Liu, Wei, Xu, Wu, "Multi-layer depth peeling via fragment sort", 2009): rounds of a
+//! k-buffer without synchronisation, made robust by looking afterwards at what became of it.
 //!
-//! *Reconstructed* from what the k+-buffer paper and surveys say of it: "robust rendering behaviour" by several passes in
-//! spite of hazards of reading, modifying and writing. A round is two geometry passes. The first inserts as `kb` does:
-//! reads the k entries, inserts, writes them back, and whoever overlaps may undo it. The second verifies: a fragment
-//! that finds its key counts there; one that does not, though fewer than k nearer keys are there, is missing, and the
-//! nearest of those is remembered. Everything nearer than that is right, and is emitted; the next round begins behind
-//! it, and counts it. So every round gains a layer at least, whatever happens, and the k nearest come out exactly.
+//! *Reconstructed* from what the k+-buffer paper and surveys say of it: "robust rendering behaviour" by several passes
+//! in spite of hazards of reading, modifying and writing. A round is two geometry passes. The first inserts as `kb`
+//! does: it reads the k entries, inserts, and writes them back, and an overlapping invocation may undo it. The second
+//! verifies: a fragment that finds its key counts there; one that does not, though fewer than k nearer keys are there,
+//! is missing, and the nearest of those is remembered. Everything nearer than that is right, and is emitted; the next
+//! round begins behind it, and counts it. So every round gains at least one layer, whatever happens, and the k nearest
+//! come out exactly.
 //!
 //! Entries are atomic words of 64 bits, read and written relaxed: keys are lost and doubled, but never torn.
 
@@ -37,7 +38,7 @@ fn nearer(entries: &mut [u64], key: u64) -> usize {
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
-    /// Whether anybody asks for what is missing.
+    /// Whether what is missing is looked for.
     const VERIFIED: bool = true;
 }
 

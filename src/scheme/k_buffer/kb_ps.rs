@@ -4,7 +4,7 @@
 //! Entries are sorted front to back; an insertion shifts what is farther and lets the last one fall out. WGSL has no
 //! interlock.
 
-use crate::scheme::contract::{Entry, Keeps};
+use crate::scheme::contract::{Keeps, StoreOrder};
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
@@ -51,7 +51,7 @@ const CONTRACT: Contract = Contract {
     needs: "the ordered interlock; invocations of a pixel are started in order",
     max_k: MAX_K as u32,
     source: include_str!("kb_ps.rs"),
-    entry: Entry::Interlock,
+    store_order: StoreOrder::Interlock,
     ..Contract::new("kb-ps", Keeps::Nearest)
 };
 

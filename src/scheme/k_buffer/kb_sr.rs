@@ -9,7 +9,7 @@
 use crate::fragment::Fragment;
 use crate::fragment::key;
 use crate::memory::{Layout, Memory, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Dependence, Entry, Form, Keeps, Overflow};
+use crate::scheme::contract::{Demand, Dependence, Form, Keeps, Overflow, StoreOrder};
 use crate::scheme::parts::interlock::Interlock;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -43,7 +43,7 @@ impl Scheme for KbStencilRouted {
         max_k: MAX_SAMPLES,
         demand: Demand::MaxDepthComplexity,
         source: include_str!("kb_sr.rs"),
-        entry: Entry::Interlock,
+        store_order: StoreOrder::Interlock,
         dependence: Dependence::Arrival,
         ..Contract::new("kb-sr", Keeps::FirstArrivals)
     };

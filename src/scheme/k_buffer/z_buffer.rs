@@ -23,8 +23,8 @@ pub trait Variant: Send + Sync + 'static {
 #[derive(Debug)]
 pub enum Correct {}
 
-/// M18: cleared to the far plane, as to depth 1.0 with a strict test: what lies there is not nearer, and is culled. With
-/// 0 for the data word, no fragment of that plane has a smaller key.
+/// M18: cleared to the far plane, as to depth 1.0 with a strict test: what lies there is not nearer, and is culled.
+/// With 0 for the data word, no fragment of that plane has a smaller key.
 #[derive(Debug)]
 pub enum ClearedToFarPlane {}
 

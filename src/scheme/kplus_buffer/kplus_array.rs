@@ -10,7 +10,8 @@
 //!   written, and the freed entry is written before entry 0. The published order puts the new fragment into entry 0
 //!   first, and an unlocked reader may be culled against it.
 //! * The counter is raised by a release store after the element is in place, and read before the lock by an acquire
-//!   load: who sees a full array also sees an entry 0 at least as new, and stale values are farther, hence safe.
+//!   load: an invocation that sees a full array also sees an entry 0 at least as new, and stale values are farther,
+//!   hence safe.
 //! * Depths are atomic words, since entry 0 is read outside the lock. The lock is taken by an acquire exchange and
 //!   released by a release store, not by a plain one.
 //! * Ties: the unlocked test culls only what is strictly behind; inside the lock whole keys decide, so that the kept
@@ -111,7 +112,7 @@ impl Scheme for KPlusArray {
                             }
                         }
                     }
-                    // The new record takes its place, and it takes that of entry 0, which is evicted.
+                    // The new record takes the place of the new farthest, which takes that of entry 0, the evicted one.
                     if place != 0 {
                         self.put(mem, pixel, place, new).await;
                     }

@@ -180,7 +180,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         let test = mem.block();
         if mem.read(counter, V::TEST).await == self.k {
             let root = mem.read(heap.depth(0), V::TEST).await;
-            // Of equal depths, the data word decides, which only who holds the lock may read.
+            // Among equal depths the data word decides, and only the lock's holder may read it.
             if fragment.depth > root || (V::COMPARED == By::Depth && fragment.depth == root) {
                 return Outcome::Culled;
             }
@@ -226,7 +226,7 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         }
     }
 
-    /// While nobody holds the lock, no record is farther than its parent.
+    /// While the lock is free, no record is farther than its parent.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, _: Moment) -> Result<(), String> {
         if self.lock.is_held(words, pixel)? != Some(false) {
             return Ok(());

@@ -1,9 +1,9 @@
-//! The memory-bounded A-buffer (Vasilakis, Fudos, "k+-buffer", 2014, section 3.4): every fragment is kept, by rounds of a
-//! k+-buffer over what lies behind the farthest fragment of the round before. There are ceil(max f / k) of them, and one
-//! more where k divides f.
+//! The memory-bounded A-buffer (Vasilakis, Fudos, "k+-buffer", 2014, section 3.4): every fragment is kept, by rounds of
+//! a k+-buffer over what lies behind the farthest fragment of the round before. There are ceil(max f / k) of them, and
+//! one more where k divides f.
 //!
-//! The paper has a sentence on it. Here a round is a max-array under a spin lock as in `kplus-array`; and fragments
-//! identical to the farthest, of which a round may have room for some only, are counted in the next one, which emits
+//! The paper has one sentence on it. Here a round is a max-array under a spin lock as in `kplus-array`; and fragments
+//! identical to the farthest, of which a round may have room for only some, are counted in the next one, which emits
 //! the rest.
 
 use std::iter::repeat_n;
@@ -17,7 +17,7 @@ use crate::scheme::parts::max_array::{append, replace};
 use crate::scheme::parts::slots::{OfPixel, entry};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
-/// Where a pixel goes on that has all its fragments: behind every key.
+/// Where a pixel that has all its fragments goes on: behind every key.
 const DONE: u64 = u64::MAX;
 
 /// The correct form, or a fault in it.

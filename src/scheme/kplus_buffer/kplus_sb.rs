@@ -5,9 +5,9 @@
 //!
 //! What differs from Algorithm 3 (`kplus-sb@published`), and why:
 //! * The published count tests the counter and then adds: several invocations pass the test together, and the counter
-//!   overshoots k (claim C6). And a count bounded at k cannot tell f = k from f > k, on which the choice depends. Here a
-//!   compare-exchange counts to min(f, k + 1), and min(f, k) records are allocated. The published form is clamped where
-//!   it allocates, so that its records stay within the array.
+//!   overshoots k (claim C6). And a count bounded at k cannot tell f = k from f > k, on which the choice depends. Here
+//!   a compare-exchange counts to min(f, k + 1), and min(f, k) records are allocated. The published form is clamped
+//!   where it allocates, so that its records stay within the array.
 //! * Insertion is that of the correct forms ([`max_array`], [`max_heap`]).
 //!
 //! The range's start carries the choice in its lowest bit ([`Ranges`]), so that a pixel has three words besides its
@@ -210,7 +210,7 @@ impl<V: Variant> Scheme for KPlusSb<V> {
         }
     }
 
-    /// A count that allocates more than min(f, k) records is no exact memory.
+    /// A count that allocates more than min(f, k) records is not exact memory.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, _: Moment) -> Result<(), String> {
         let most = if V::EXACT_COUNT { self.k + 1 } else { self.k };
         match words.get(self.counter.at(pixel, 0)) {

@@ -3,7 +3,7 @@
 use crate::memory::{Address, At, Kind, Layout, Numbering, Snapshot, Space, Word};
 use crate::scheme::{Config, Moment, Scheme};
 
-/// A scheme, and words that nobody wrote unless they were set.
+/// A scheme, and words that were never written unless a test set them.
 pub(in crate::scheme) struct HandMade<S> {
     pub(in crate::scheme) scheme: S,
     numbering: Numbering,

@@ -2,8 +2,8 @@
 //! synchronisation, Salvi 2013; `ARB_fragment_shader_interlock`; raster-order views).
 //!
 //! On a device the hardware grants it. Here the executor numbers each pixel's fragments in API order, and a word per
-//! pixel says whose turn it is; that word stands for the hardware and is not the method's. It is used like a lock, with
-//! the critical section inside the loop:
+//! pixel says which fragment's turn it is; that word stands for the hardware and is not the method's. It is used like a
+//! lock, with the critical section inside the loop:
 //!
 //! ```text
 //! let mark = mem.mark();
@@ -36,21 +36,21 @@ impl Interlock {
         Self(layout.interlock())
     }
 
-    /// The first fragment's turn, in the clear pass.
+    /// Let the first fragment enter, in the clear pass.
     #[inline(always)]
     #[track_caller]
     pub fn clear<M: Memory>(self, mem: &M, pixel: u32) -> impl Future<Output = ()> + Unpin {
         mem.store(self.0.at(pixel, 0), 0, Order::Relaxed)
     }
 
-    /// Whose turn it is; the caller's, if it is the fragment's rank.
+    /// The rank of the fragment that may enter; the caller may, if it equals its fragment's rank.
     #[inline(always)]
     #[track_caller]
     pub fn turn<M: Memory>(self, mem: &M, fragment: Fragment) -> impl Future<Output = u32> + Unpin {
         mem.load(self.0.at(fragment.pixel, 0), Order::Acquire)
     }
 
-    /// The next one's turn.
+    /// Let the next fragment enter.
     #[inline(always)]
     #[track_caller]
     pub fn leave<M: Memory>(self, mem: &M, fragment: Fragment) -> impl Future<Output = ()> + Unpin {

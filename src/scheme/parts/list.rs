@@ -2,9 +2,9 @@
 //! construction on the GPU", 2010): the heads of a pixel's lists, a counter that hands out nodes, and nodes of a link
 //! and a key.
 //!
-//! How a node gets into its list is said at each use, since that is where methods differ: by an exchange on the head,
-//! whose old value becomes the node's link afterwards ([`Lists::publish`]), or by a compare-exchange on the link before
-//! it. The first kind reads no link before the barrier, which can then be plain.
+//! Each use says how a node gets into its list, since that is where methods differ: by an exchange on the head, the old
+//! value of which becomes the node's link afterwards ([`Lists::publish`]), or by a compare-exchange on the link before
+//! it. The first kind reads no link before the barrier, so its links can be plain.
 
 use std::fmt;
 use std::future::Future;
@@ -35,21 +35,21 @@ impl<L> Clone for Lists<L> {
 
 impl<L> Copy for Lists<L> {}
 
-/// A node that somebody wrote.
+/// A written node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Node {
     /// Which one.
     pub number: u32,
     /// Where it leads to.
     pub next: u32,
-    /// Whose fragment it is.
+    /// The key of its fragment.
     pub key: u64,
 }
 
 /// Why a list cannot be followed to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flaw {
-    /// It leads to a node that the pool has not.
+    /// It leads to a node that the pool does not have.
     Outside {
         /// Which one.
         node: u32,
@@ -66,7 +66,7 @@ impl fmt::Display for Flaw {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Outside { node, of } => write!(out, "the list leads to node {node}, of {of}"),
-            Self::Unwritten(node) => write!(out, "node {node} is in the list, and nobody wrote it"),
+            Self::Unwritten(node) => write!(out, "node {node} is in the list but was not written"),
             Self::Endless(of) => write!(out, "the list does not end within the pool's {of} nodes"),
         }
     }
@@ -125,7 +125,7 @@ impl<L: Kind> Lists<L> {
         mem.store(self.head(pixel, list), NONE, Order::Relaxed)
     }
 
-    /// Take a node from the pool; from [`Self::capacity`] on, there is none.
+    /// Take a node from the pool; a number from [`Self::capacity`] on means that the pool is empty.
     #[inline(always)]
     #[track_caller]
     pub fn take<M: Memory>(self, mem: &M) -> impl Future<Output = u32> + Unpin {
@@ -151,7 +151,7 @@ impl<L: Kind> Lists<L> {
         mem.plain_load(self.keys.at(node.into()))
     }
 
-    /// Make a node the first of its list, by an exchange; where it has to lead to.
+    /// Make a node the first of its list, by an exchange. Gives what the node must lead to.
     #[inline(always)]
     #[track_caller]
     pub fn publish<M: Memory>(

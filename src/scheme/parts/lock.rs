@@ -15,8 +15,8 @@
 //! }
 //! ```
 //!
-//! How it is taken and released is said at each use, since that is where published shaders differ: the correct ways are
-//! an acquire exchange, and a release store of 0.
+//! Each use says how it is taken and released, since that is where published shaders differ: the correct ways are an
+//! acquire exchange, and a release store of 0.
 
 use std::future::Future;
 
@@ -66,7 +66,7 @@ impl SpinLock {
         mem.exchange(self.0.at(pixel, 0), TAKEN, order)
     }
 
-    /// Give it back by a write.
+    /// Release it by a write.
     #[inline(always)]
     #[track_caller]
     pub fn release<M: Memory>(
@@ -78,7 +78,7 @@ impl SpinLock {
         mem.write(self.0.at(pixel, 0), FREE, access)
     }
 
-    /// Give it back by an exchange, as shaders do that have no atomic store; what it held.
+    /// Release it by an exchange, as shaders without an atomic store do. Gives the old value.
     #[inline(always)]
     #[track_caller]
     pub fn exchange_free<M: Memory>(
@@ -90,10 +90,10 @@ impl SpinLock {
         mem.exchange(self.0.at(pixel, 0), FREE, order)
     }
 
-    /// Whether somebody holds it; `None` while nobody wrote the word.
+    /// Whether an invocation holds it; `None` if the word was never written.
     ///
     /// # Errors
-    /// It holds what no lock holds.
+    /// The word holds a value that is neither free nor taken.
     pub fn is_held(self, words: &Snapshot<'_>, pixel: u32) -> Result<Option<bool>, String> {
         match words.get(self.0.at(pixel, 0)) {
             None => Ok(None),

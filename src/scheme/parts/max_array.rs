@@ -19,7 +19,7 @@ pub async fn append<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, 
     put(mem, slots, count, last).await;
 }
 
-/// Put a record in the place of the farthest of `count`: who will be the farthest is found before anything is written.
+/// Put a record in the place of the farthest of `count`: the new farthest is found before anything is written.
 #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
 pub async fn replace<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32, new: u64) {
     let (mut place, mut farthest) = (0, new);

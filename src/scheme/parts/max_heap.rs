@@ -2,9 +2,9 @@
 //! farthest record is at the root.
 //!
 //! Algorithm 2 writes the new record first and then swaps it up or down, so that for a while the root holds a record
-//! nearer than the true farthest, against which others are culled without the lock. Here a *hole* moves instead: records
-//! make room for the new one, which is written once, where it belongs. The root then goes from the old farthest to the
-//! new one in one write, and no reader is ever told too little.
+//! nearer than the true farthest, and others are culled against it without the lock. Here a *hole* moves instead:
+//! records make room for the new one, which is written once, where it belongs. The root then goes from the old farthest
+//! to the new one in one write, and no reader ever sees a root nearer than the true farthest.
 
 use super::slots::{Slots, entry, put};
 use crate::fragment::pair_key;

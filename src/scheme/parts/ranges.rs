@@ -1,8 +1,8 @@
 //! Contiguous ranges: where each pixel's records begin in one array (S-buffer: Vasilakis, Fudos 2012; the referencing
 //! pass of Algorithm 3 of the k+-buffer paper).
 //!
-//! A geometry pass has counted the fragments of every pixel. Then a parallel prefix sum over non-empty pixels, in
-//! three steps, each of which halves nothing but divides by 64:
+//! A geometry pass has counted the fragments of every pixel. Then follows a parallel prefix sum over non-empty pixels,
+//! in three steps with a radix of 64:
 //!
 //! ```text
 //! per pixel       offset = atomicAdd(sum of its block of 8x8 pixels, count)

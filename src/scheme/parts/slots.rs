@@ -7,7 +7,7 @@ use crate::memory::{At, Atomic, Global, Memory, Order, Pixel, Plain, Space, Word
 
 /// A row of records.
 pub trait Slots: Copy {
-    /// Whose words they are.
+    /// The space of the words.
     type Space: Space;
 
     /// The depth word of record `i`.
@@ -24,7 +24,7 @@ pub struct OfPixel {
     pub depth: Words<Pixel, Atomic, u32>,
     /// Data words.
     pub data: Words<Pixel, Plain, u32>,
-    /// Whose.
+    /// The pixel.
     pub pixel: u32,
 }
 

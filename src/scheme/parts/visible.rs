@@ -1,8 +1,8 @@
 //! What early culling goes by: how much light passes the fragments in front.
 //!
 //! Transmittance is in 16 bits, as compositing has it (`resolve::composite`): T from 65,535, then (T (255 - a) + 127) /
-//! 255 for every opacity a. It never grows, and a fragment more in front never makes it larger: whoever knows only some
-//! of the fragments in front knows at least as much transmittance as there is.
+//! 255 for every opacity a. It never grows, and a fragment more in front never makes it larger: an invocation that
+//! knows only some of the fragments in front never underestimates it.
 
 use crate::fragment::{data_of, depth_of};
 
@@ -43,7 +43,7 @@ mod tests {
     const DARK: u32 = 250 << 24;
 
     #[test]
-    fn who_is_behind_opaque_fragments_is_hidden() {
+    fn fragments_behind_opaque_ones_are_hidden() {
         let list = [key(1, DARK), key(2, DARK), key(3, 0), key(3, 1)];
         let hidden = |key| is_hidden(&list, key, 656);
         assert!(hidden(list[2]) && hidden(list[3]));

@@ -4,8 +4,8 @@
 //!
 //! *Reconstructed* from what the k+-buffer paper and surveys say of it: a first geometry pass for the depth range, the
 //! nearest and the farthest depth of every bucket by blending with a minimum and a maximum, and further rounds for
-//! collisions. A bucket is peeled as in `depth-peel-dual` until it is empty, which makes the result exact; there were
-//! 16 of them in eight render targets, and are 4 here.
+//! collisions. A bucket is peeled as in `depth-peel-dual` until it is empty, which makes the result exact. The original
+//! had 16 buckets in eight render targets; here there are 4.
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};

@@ -1,5 +1,5 @@
-//! Dual depth peeling (Bavoil, Myers, "Order independent transparency with dual depth peeling", 2008): a round finds the
-//! nearest and the farthest fragment of those not peeled yet, so that half the rounds do.
+//! Dual depth peeling (Bavoil, Myers, "Order independent transparency with dual depth peeling", 2008): a round finds
+//! the nearest and the farthest fragment of those not peeled yet, so that half as many rounds are enough.
 //!
 //! As in `depth-peel`, and unlike as published, layers are keys of depth and data, and the fragments of a layer are
 //! counted in the round after the one that found it. Where both ends meet, the layer in the middle counts as near.

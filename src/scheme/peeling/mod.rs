@@ -9,7 +9,8 @@ use super::contract::{Accounting, Barrier, Contract, Keeps, Pass, Program};
 /// A round.
 const ROUND: &[Pass] = &[Pass::store(Barrier::Pixel)];
 
-/// What depth peeling has in common: rounds of a store pass, in which no invocation can tell what became of its fragment.
+/// What depth peeling has in common: rounds of a store pass, in which no invocation can tell what became of its
+/// fragment.
 const fn peeled(name: &'static str, keeps: Keeps) -> Contract {
     Contract {
         section: "k+-buffer paper, 2",

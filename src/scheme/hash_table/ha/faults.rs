@@ -17,7 +17,7 @@ impl Variant<Bits64> for AgeOverflows {
     const LIMITED: bool = false;
 }
 
-/// Nobody waits for the clear pass.
+/// No invocation waits for the clear pass.
 #[derive(Debug)]
 pub enum NoBarrier {}
 
@@ -32,26 +32,26 @@ impl Variant<Bits64> for NoBarrier {
     };
 }
 
-/// Who is pushed out is forgotten.
+/// A displaced record is forgotten.
 #[derive(Debug)]
 pub enum NotReinserted {}
 
 impl Variant<Bits64> for NotReinserted {
     const CONTRACT: Contract = CONTRACT.fault(
         "ha64@no-reinsert",
-        "Fault no-reinsert: who is pushed out of a cell is forgotten",
-        "nobody is pushed out",
+        "Fault no-reinsert: a record displaced from a cell is forgotten",
+        "no record is displaced",
     );
     const REINSERTS: bool = false;
 }
 
-/// The largest age remains what it was.
+/// The largest age of the block is not updated.
 #[derive(Debug)]
 pub enum AgeUntold {}
 
 impl Variant<Bits64> for AgeUntold {
     const CONTRACT: Contract =
-        CONTRACT.fault("ha64@max-age", "Fault max-age: the largest age is not told", "never");
+        CONTRACT.fault("ha64@max-age", "Fault max-age: the largest age is not updated", "never");
     const TELLS_AGE: bool = false;
 }
 
@@ -63,12 +63,12 @@ impl Variant<Bits64> for OffsetReused {
     const CONTRACT: Contract = CONTRACT.fault(
         "ha64@offset",
         "Fault offset: an evicted record's pixel is computed with the evicting record's offset",
-        "nobody is pushed out",
+        "no record is displaced",
     );
     const OWN_OFFSET: bool = false;
 }
 
-/// A load, a comparison and a store for the atomic maximum.
+/// A load, a comparison and a store instead of the atomic maximum.
 #[derive(Debug)]
 pub enum LoadStore {}
 

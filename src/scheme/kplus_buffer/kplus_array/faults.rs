@@ -1,6 +1,6 @@
 //! Faults that can be built into the max-array. Each is one change of the correct form; the numbers are those of
-//! [`crate::catalogue::faults`]. They have a body of their own, [`Faulty`], with a constant for every place where a fault
-//! can be; the correct form stays as it is read in the paper.
+//! [`crate::catalogue::faults`]. They have a body of their own, [`Faulty`], with a constant for every place where a
+//! fault can be; the correct form has a body without them.
 
 use std::marker::PhantomData;
 
@@ -60,15 +60,15 @@ pub enum Unlock {
     Exchange(Order),
 }
 
-/// What an invocation does that does not get the lock.
+/// What an invocation does if it does not get the lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
     /// It tries until it does.
     Endless,
-    /// After so many attempts it goes away, and says nothing.
+    /// After so many attempts it gives up, and reports nothing.
     Drops(u32),
-    /// After every so many attempts it frees the lock, no matter which invocation holds it. It ends all the same: another must have taken
-    /// the lock since for its next attempt to fail, and each of the others takes it once.
+    /// After every so many attempts it frees the lock, whichever invocation holds it. It ends all the same: another
+    /// must have taken the lock since for its next attempt to fail, and each of the others takes it once.
     Frees(u32),
 }
 
@@ -105,9 +105,8 @@ impl<V: Variant> Scheme for Faulty<V> {
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let (array, pixel) = (&self.array, fragment.pixel);
-        let counter = array.counter.at(pixel, 0);
         let test = mem.block();
-        let seen = mem.load(counter, V::COUNTER_READ).await;
+        let seen = mem.load(array.counter.at(pixel, 0), V::COUNTER_READ).await;
         if seen == array.k
             && fragment.depth > mem.load(array.depth.at(pixel, 0), Order::Relaxed).await
         {
@@ -115,20 +114,10 @@ impl<V: Variant> Scheme for Faulty<V> {
         }
         mem.merge(test).await;
         if !V::CLEARED_BEFORE {
-            let empty = mem.block();
-            if seen == 0 {
-                mem.store(counter, 0, Order::Relaxed).await;
-                mem.store(array.depth.at(pixel, 0), EMPTY, Order::Relaxed).await;
-            }
-            mem.merge(empty).await;
+            self.clear_if_empty(mem, pixel, seen).await;
         }
         if !V::SECTION_IN_LOOP {
-            let wait = mem.block();
-            let mark = mem.mark();
-            while array.lock.try_acquire(mem, pixel, V::LOCK).await != FREE {
-                mem.spin(mark).await;
-            }
-            mem.merge(wait).await;
+            self.wait_for_lock(mem, pixel).await;
         }
         let _attempts = mem.block();
         let mark = mem.mark();
@@ -141,54 +130,7 @@ impl<V: Variant> Scheme for Faulty<V> {
                 FREE
             };
             if found == FREE {
-                let count = mem.load(counter, Order::Relaxed).await;
-                let mut outcome = Outcome::Culled;
-                if count < array.k {
-                    // Append, into entry 0 if it is the farthest; only then raise the counter.
-                    if !V::ELEMENT_FIRST {
-                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
-                    }
-                    let mut last = fragment.key();
-                    if count > 0 {
-                        let farthest = pair_key(array.entry(mem, pixel, 0).await);
-                        if last > farthest {
-                            array.put(mem, pixel, 0, last).await;
-                            last = farthest;
-                        }
-                    }
-                    array.put(mem, pixel, count, last).await;
-                    if V::ELEMENT_FIRST {
-                        mem.store(counter, count + 1, V::COUNTER_RAISE).await;
-                    }
-                    outcome = Outcome::Kept;
-                } else {
-                    let mut farthest = u64::MAX;
-                    if V::SECOND_TEST {
-                        farthest = pair_key(array.entry(mem, pixel, 0).await);
-                    }
-                    if V::is_nearer(fragment, farthest) {
-                        // Find the new farthest before anything is written.
-                        if !V::FARTHEST_FIRST {
-                            array.put(mem, pixel, 0, fragment.key()).await;
-                        }
-                        let (mut place, mut farthest) = (0, fragment.key());
-                        for i in 1..array.k {
-                            // The data word decides only among equal depths, and is read only then.
-                            let depth = mem.load(array.depth.at(pixel, i), Order::Relaxed).await;
-                            if depth >= depth_of(farthest) {
-                                let data = mem.plain_load(array.data.at(pixel, i)).await;
-                                if key(depth, data) > farthest {
-                                    (place, farthest) = (i, key(depth, data));
-                                }
-                            }
-                        }
-                        if place != 0 {
-                            array.put(mem, pixel, place, fragment.key()).await;
-                        }
-                        array.put(mem, pixel, 0, farthest).await;
-                        outcome = Outcome::Evicted;
-                    }
-                }
+                let outcome = self.insert(mem, fragment).await;
                 match V::UNLOCK {
                     Unlock::Write(access) => array.lock.release(mem, pixel, access).await,
                     Unlock::Exchange(order) => {
@@ -224,6 +166,90 @@ impl<V: Variant> Scheme for Faulty<V> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         self.array.resolve(mem, pixel, keys).await;
+    }
+}
+
+impl<V: Variant> Faulty<V> {
+    /// M5: clear the pixel if its counter is 0.
+    async fn clear_if_empty<M: Memory>(&self, mem: &M, pixel: u32, seen: u32) {
+        let empty = mem.block();
+        if seen == 0 {
+            mem.store(self.array.counter.at(pixel, 0), 0, Order::Relaxed).await;
+            mem.store(self.array.depth.at(pixel, 0), EMPTY, Order::Relaxed).await;
+        }
+        mem.merge(empty).await;
+    }
+
+    /// M19: spin until the lock is taken.
+    async fn wait_for_lock<M: Memory>(&self, mem: &M, pixel: u32) {
+        let wait = mem.block();
+        let mark = mem.mark();
+        while self.array.lock.try_acquire(mem, pixel, V::LOCK).await != FREE {
+            mem.spin(mark).await;
+        }
+        mem.merge(wait).await;
+    }
+
+    /// The critical section.
+    async fn insert<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let (array, pixel) = (&self.array, fragment.pixel);
+        let count = mem.load(array.counter.at(pixel, 0), Order::Relaxed).await;
+        if count < array.k {
+            self.append(mem, fragment, count).await;
+            return Outcome::Kept;
+        }
+        let mut farthest = u64::MAX;
+        if V::SECOND_TEST {
+            farthest = pair_key(array.entry(mem, pixel, 0).await);
+        }
+        if !V::is_nearer(fragment, farthest) {
+            return Outcome::Culled;
+        }
+        self.replace(mem, fragment).await;
+        Outcome::Evicted
+    }
+
+    /// Append, into entry 0 if it is the farthest; raise the counter before or after.
+    async fn append<M: Memory>(&self, mem: &M, fragment: Fragment, count: u32) {
+        let (array, pixel) = (&self.array, fragment.pixel);
+        let counter = array.counter.at(pixel, 0);
+        if !V::ELEMENT_FIRST {
+            mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+        }
+        let mut last = fragment.key();
+        if count > 0 {
+            let farthest = pair_key(array.entry(mem, pixel, 0).await);
+            if last > farthest {
+                array.put(mem, pixel, 0, last).await;
+                last = farthest;
+            }
+        }
+        array.put(mem, pixel, count, last).await;
+        if V::ELEMENT_FIRST {
+            mem.store(counter, count + 1, V::COUNTER_RAISE).await;
+        }
+    }
+
+    /// Replace the farthest; find the new farthest before or after anything is written.
+    async fn replace<M: Memory>(&self, mem: &M, fragment: Fragment) {
+        let (array, pixel, new) = (&self.array, fragment.pixel, fragment.key());
+        if !V::FARTHEST_FIRST {
+            array.put(mem, pixel, 0, new).await;
+        }
+        let (mut place, mut farthest) = (0, new);
+        for i in 1..array.k {
+            let depth = mem.load(array.depth.at(pixel, i), Order::Relaxed).await;
+            if depth >= depth_of(farthest) {
+                let data = mem.plain_load(array.data.at(pixel, i)).await;
+                if key(depth, data) > farthest {
+                    (place, farthest) = (i, key(depth, data));
+                }
+            }
+        }
+        if place != 0 {
+            array.put(mem, pixel, place, new).await;
+        }
+        array.put(mem, pixel, 0, farthest).await;
     }
 }
 
@@ -264,7 +290,7 @@ impl Variant for RelaxedExchange {
     const UNLOCK: Unlock = Unlock::Exchange(Order::Relaxed);
 }
 
-/// M2 at the other end: who takes the lock does not acquire what its last holder released.
+/// M2 at the other end: an invocation that takes the lock does not acquire what its last holder released.
 #[derive(Debug)]
 pub enum RelaxedLock {}
 
@@ -277,7 +303,7 @@ impl Variant for RelaxedLock {
     const LOCK: Order = Order::Relaxed;
 }
 
-/// M3: a cap on the spin loop, and no word about what became of the fragment. Published shaders have a cap of 200.
+/// M3: a cap on the spin loop, and no report of what became of the fragment. Published shaders have a cap of 200.
 #[derive(Debug)]
 pub enum SpinCap {}
 
@@ -290,20 +316,20 @@ impl Variant for SpinCap {
     const PATIENCE: Patience = Patience::Drops(2);
 }
 
-/// M4: a time-out that takes its holder for dead.
+/// M4: a time-out that takes the lock's holder for dead.
 #[derive(Debug)]
 pub enum TimeOut {}
 
 impl Variant for TimeOut {
     const CONTRACT: Contract = CONTRACT.fault(
         "kplus-array@M4",
-        "Fault M4: frees the lock after two failed attempts, whoever holds it",
+        "Fault M4: frees the lock after two failed attempts, whichever invocation holds it",
         "no fragment fails twice to get the lock",
     );
     const PATIENCE: Patience = Patience::Frees(2);
 }
 
-/// M5: who finds the counter 0 takes itself for the first, and clears the pixel before it has the lock.
+/// M5: an invocation that finds the counter 0 takes itself for the first, and clears the pixel before it has the lock.
 #[derive(Debug)]
 pub enum ClearsOutside {}
 
@@ -331,7 +357,7 @@ impl Variant for RelaxedCounter {
 }
 
 /// M6 without weak memory: the counter is raised before the element is in place, so an unlocked reader may take an
-/// entry 0 for the farthest that is not, or one that nobody wrote.
+/// entry 0 for the farthest that is not, or one that was never written.
 #[derive(Debug)]
 pub enum EarlyCount {}
 
