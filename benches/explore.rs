@@ -4,7 +4,7 @@
 mod support;
 
 use fragloom::catalogue;
-use fragloom::explore::program::litmus::of_size;
+use fragloom::explore::program::instances::of_size;
 use fragloom::explore::{Conditions, Family, Limits, MemoryModel, Profile, Subject, explore};
 use support::{median, time};
 

@@ -20,7 +20,7 @@ use fragloom::fragment::depth_of;
 use fragloom::raster::Grid;
 use fragloom::render::{Data, Exec, Kept, Lists, Options, Policy, Report, reference};
 use fragloom::scene::Scene;
-use fragloom::scheme::contract::{Contract, Demand, Dependence, Form, Keeps};
+use fragloom::scheme::contract::{Contract, Demand, Dependence, Form, Keeps, Limit, Overflow};
 use fragloom::scheme::hash_table::table::TableSettings;
 use fragloom::scheme::{Config, HeldKind};
 use support::{contract, draw, lists, method, options, policies, scene, sim, small_scenes};
@@ -92,9 +92,33 @@ fn accounts_balance_everywhere() {
                 assert_eq!(report.generated, generated, "{method} {exec:?}");
                 assert_eq!(report.kept, entries(&drawn.kept), "{method} {exec:?}");
                 assert_eq!(report.violations, Vec::<String>::new());
+                if matches!(method.contract().overflow, Overflow::Never(_)) {
+                    let short =
+                        ["overflow", "pool", "age"].map(|reason| report.dropped.get(reason));
+                    assert!(short.iter().all(|n| n.is_none_or(|&n| n == 0)), "{method} {report:?}");
+                }
             }
         }
     }
+}
+
+/// With a k for all fragments, an approximation that says so gives the exact picture.
+#[test]
+fn approximations_are_exact_where_contracts_say_so() {
+    let says_so = |c: &Contract| c.keeps == Keeps::Approximate(Limit::EnoughK);
+    let (mut compared, mut differ) = (0, 0);
+    for scene in small_scenes() {
+        let exact = draw(&scene, &options("exact", None)).image;
+        for (method, k) in cases().into_iter().filter(|(m, _)| says_so(m.contract())) {
+            for exec in executors() {
+                let image = draw(&scene, &with(method, k, exec)).image;
+                assert!(k == Some(3) || image == exact, "{method} {}", scene.name);
+                compared += 1;
+                differ += u32::from(image != exact);
+            }
+        }
+    }
+    assert!(compared > 0 && differ > 0, "{differ} of {compared} differ: with k = 3, some must");
 }
 
 #[test]

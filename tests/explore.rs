@@ -99,7 +99,7 @@ fn the_body_with_faults_is_the_correct_form_but_for_them() {
     {
         let conditions = Conditions { memory, warp };
         for n in 1..=if memory == VULKAN { 2 } else { 3 } {
-            for litmus in fragloom::explore::program::litmus::of_size(&correct, &family, n) {
+            for litmus in fragloom::explore::program::instances::of_size(&correct, &family, n) {
                 let both = [&correct, &none].map(|s| explore(s, &litmus, conditions, &LIMITS));
                 let [a, b] = both
                     .each_ref()
@@ -142,6 +142,9 @@ fn a_pixel_of_a_scene_has_the_words_of_its_method() {
                         right.all.pixel(9, 8),
                         "{method} {data:?} {source}"
                     );
+                    let all_zero = litmus.fragments.iter().all(|fragment| fragment.2 == 0);
+                    let stored = contract.data.unwrap_or(data);
+                    assert!(stored != Data::Nothing || all_zero, "{method} {data:?} {source}");
                     compared += 1;
                     cut_words += u32::from(contract.data.is_some_and(|own| own != data));
                 }

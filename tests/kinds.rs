@@ -6,8 +6,10 @@ mod support;
 #[path = "support/toys/mod.rs"]
 mod toys;
 
+use fragloom::catalogue::Catalogue;
 use fragloom::exec::Method;
 use fragloom::explore::replay::replay_of;
+use fragloom::explore::sample::{Executions, replay_scene};
 use fragloom::explore::{Limits, Plan, Profile, Progress, Subject, Token, Verdict, check};
 use fragloom::explore::{MemoryModel, properties};
 use fragloom::fragment::{data_of, depth_of};
@@ -17,6 +19,7 @@ use fragloom::render::{Data, Effect, Exec, Given, Kept, Options, Policy, render}
 use fragloom::scheme::{Config, Contract, HeldKind, Keeps, Light, Outcome, Record, Scheme};
 use support::{draw, lists, options, policies, scene, sim, small_scenes};
 use toys::blend::BlendAverage;
+use toys::blend_nearest::BlendNearest;
 use toys::k_from_image::KFromImage;
 use toys::merge_two::MergeTwo;
 
@@ -150,7 +153,11 @@ fn one_layer_is_exact() {
     let scene = scene("layers:count=1", [33, 17]);
     let exact = draw(&scene, &options("exact", None)).image;
     for exec in executors() {
-        assert_eq!(draw(&scene, &with::<BlendAverage>(exec.clone())).image, exact, "{exec:?}");
+        assert_eq!(
+            draw(&scene, &with::<BlendAverage<true>>(exec.clone())).image,
+            exact,
+            "{exec:?}"
+        );
         assert_eq!(draw(&scene, &with::<MergeTwo>(exec.clone())).image, exact, "{exec:?}");
     }
 }
@@ -201,12 +208,12 @@ fn a_hash_is_of_lists_and_an_effect_needs_them() {
     let scene = scene("layers:count=3", [16, 8]);
     let hash = |options: &Options| draw(&scene, options).report.fragments_hash;
     assert!(hash(&with::<MergeTwo>(Exec::Tile)).is_some());
-    assert_eq!(hash(&with::<BlendAverage>(Exec::Tile)), None);
+    assert_eq!(hash(&with::<BlendAverage<true>>(Exec::Tile)), None);
     assert_ne!(hash(&with::<MergeTwo>(Exec::Tile)), hash(&options("ab-ll", None)));
     let media = || Effect::Media { density: 1.0 };
     for (method, holds) in [
         (Method::of::<MergeTwo>(), HeldKind::Records),
-        (Method::of::<BlendAverage>(), HeldKind::Color),
+        (Method::of::<BlendAverage<true>>(), HeldKind::Color),
     ] {
         let options = Options { method, effect: media(), ..Options::default() };
         let refused = render(&scene, &options).map(|_| ()).expect_err("it has no lists");
@@ -221,8 +228,9 @@ fn the_explorer_verifies_them() {
     let memory = [MemoryModel::Sequential, MemoryModel::Relaxed(Profile::Vulkan)];
     let plan = Plan { fragments: Some(3), memory: memory.to_vec(), ..Plan::default() };
     for subject in [
+        Subject::of::<BlendNearest>(),
         Subject::of::<MergeTwo>(),
-        Subject::of::<BlendAverage>(),
+        Subject::of::<BlendAverage<true>>(),
         Subject::of::<KFromImage<true>>(),
     ] {
         let rows = check(&subject, &plan, &LIMITS);
@@ -233,6 +241,35 @@ fn the_explorer_verifies_them() {
         let states: u64 = rows.iter().map(|row| row.states).max().unwrap_or(0) as u64;
         println!("{}: {} rows, up to {states} states", subject.method, rows.len());
     }
+}
+
+/// A colour is held to what the method says, too: on a scene, a lost term is found, and its token runs again.
+#[test]
+fn a_lost_term_of_a_colour_is_found_on_a_scene() {
+    let scene = scene("synthetic:n=9", [16, 16]);
+    let executions = |method: Method| Executions {
+        name: "synthetic:n=9".to_owned(),
+        schedule: "round-robin".to_owned(),
+        options: Options { method, exec: sim(Policy::RoundRobin, 0), ..Options::default() },
+        count: 2,
+    };
+    let good = Method::of::<BlendAverage<true>>();
+    let rows = executions(good).check(&Subject::of::<BlendAverage<true>>(), &scene, &LIMITS);
+    assert!(rows.expect("it draws").iter().all(|row| row.verdict == Verdict::Unknown));
+    let broken = Method::of::<BlendAverage<false>>();
+    let rows = executions(broken).check(&Subject::of::<BlendAverage<false>>(), &scene, &LIMITS);
+    let rows = rows.expect("it draws");
+    let keeps = rows.iter().find(|row| row.property.as_deref() == Some("keeps")).expect("a row");
+    assert_eq!(keeps.verdict, Verdict::Violated, "{keeps:?}");
+    let token = keeps.token.as_ref().expect("a token").parse().expect("one of ours");
+    let Token::Scene(mut token) = token else { panic!("a scene's token") };
+    let catalogue = Catalogue::built_in().with(broken).expect("a new name");
+    assert!(replay_scene(&catalogue, &token).is_ok());
+    // Another picture is not the token's.
+    token.seed += 1;
+    token.schedule = "order".to_owned();
+    let other = replay_scene(&catalogue, &token).map(|_| ()).expect_err("another result");
+    assert!(other.problem().contains("another result"), "{other}");
 }
 
 /// The loss shows only where the input has a k of 1 or more: the token brings the input along.

@@ -22,8 +22,8 @@ use crate::memory::arena::Shared;
 use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
+use crate::scheme::program::PassKind;
 use crate::scheme::{Held, Outcome};
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.

@@ -1,6 +1,6 @@
 //! Tiles in parallel: a worker owns a tile's pixels, so their memory is plain cells.
 //!
-//! Where no pixel waits for another ([`Program::is_local`](crate::scheme::contract::Program::is_local)), a tile goes
+//! Where no pixel waits for another ([`Program::is_local`](crate::scheme::program::Program::is_local)), a tile goes
 //! through all its passes and rounds at once, and its memory belongs to the worker, which reuses it for the next tile:
 //! its pixels' records, and its range of the pools, which then stays in the worker's cache. Otherwise every tile keeps
 //! its memory, and a pass ends for all tiles before the next begins.
@@ -21,8 +21,8 @@ use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Counters, Layout, Observer};
 use crate::raster::Batch;
-use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
+use crate::scheme::program::PassKind;
 use crate::scheme::{Held, Outcome};
 
 /// Invocations of a pass over the frame's words that go to a worker at once.

@@ -102,3 +102,11 @@ pub struct Report {
     /// What the method promised and did not keep.
     pub violations: Vec<String>,
 }
+
+impl Report {
+    /// What identifies the result: the hash of the resolved lists, or of the picture where the method gives no lists.
+    #[must_use]
+    pub fn result_hash(&self) -> &str {
+        self.fragments_hash.as_deref().unwrap_or(&self.image_hash)
+    }
+}

@@ -1,7 +1,7 @@
 //! The course of a frame: which passes run together, where barriers stand, and how rounds follow each other. Everything
 //! that runs a program (tiles, threads, the simulated device, the explorer, devices) follows it.
 
-use super::contract::{Barrier, Program};
+use super::program::{Barrier, Program};
 
 /// One part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +93,7 @@ impl Course {
 mod tests {
     use std::convert::Infallible;
 
-    use super::super::contract::{Pass, PassKind};
+    use super::super::program::{Pass, PassKind};
     use super::*;
 
     const COUNT: Pass = Pass::new("count", PassKind::Prepare, Barrier::Pixel);

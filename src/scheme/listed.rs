@@ -2,7 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use super::contract::{Contract, Demand, Dependence, Form, Keeps, Program};
+use super::contract::{Contract, Demand, Dependence, Form, Keeps};
+use super::program::Program;
 use crate::fragment::Data;
 use crate::num::depth::Format;
 

@@ -6,7 +6,7 @@
 //! is its [`Contract`], which the tests, the commands and the docs read. Adding a scheme is one file, and one line in
 //! the catalogue.
 //!
-//! A frame is a clear pass, then one or more *rounds*. A round is the contract's [`contract::Program`]: passes over
+//! A frame is a clear pass, then one or more *rounds*. A round is the contract's [`program::Program`]: passes over
 //! fragments, pixels or the frame's words, the last of which is the store pass; and resolve ([`course`]). Most methods
 //! have the store pass only. Where the program repeats (depth peeling), another round follows as long as any pixel asks
 //! for it in [`Scheme::again`], as in an application that reads an occlusion query.
@@ -27,6 +27,7 @@ pub mod kplus_buffer;
 mod listed;
 pub mod parts;
 pub mod peeling;
+pub mod program;
 pub mod task;
 
 use std::future::Future;

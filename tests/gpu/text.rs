@@ -7,8 +7,8 @@ use fragloom::gpu::twin::source::{self, Path, Twin, twins};
 use fragloom::num::depth::Format;
 use fragloom::raster::{Grid, Record};
 use fragloom::scheme::Config;
-use fragloom::scheme::contract::PassKind;
 use fragloom::scheme::hash_table::table::TableSettings;
+use fragloom::scheme::program::PassKind;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::support::method;

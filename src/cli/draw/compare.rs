@@ -14,7 +14,7 @@ use self::row::Compared;
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::flags::{Drawing, Output};
-use crate::cli::options::settings::resolve;
+use crate::cli::options::settings::complete;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::exec::Method;
@@ -58,7 +58,7 @@ pub(in crate::cli) struct Args {
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let methods = methods(catalogue, args)?;
     let reference = catalogue.find("--reference", &args.reference)?;
-    let mut settings = resolve(&args.drawing, reference, false)?;
+    let mut settings = complete(&args.drawing, reference, false)?;
     settings.options.counters = false;
     if settings.options.depth_format.is_none() {
         let all = methods.iter().chain([&reference]);

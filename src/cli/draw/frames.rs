@@ -50,7 +50,7 @@ impl Frames {
     ///
     /// # Errors
     /// An option without another option that it needs.
-    pub(in crate::cli) fn resolve(&self, single: &[&str]) -> Result<Option<Animation>> {
+    pub(in crate::cli) fn complete(&self, single: &[&str]) -> Result<Option<Animation>> {
         let resize = match self.resize {
             None | Some(When::Latent) => Resize::Latent,
             Some(When::AtOnce) => Resize::AtOnce,

@@ -7,7 +7,7 @@ use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::effects::Effects;
 use crate::cli::options::flags::{Drawing, Output};
-use crate::cli::options::settings::{Settings, resolve};
+use crate::cli::options::settings::{Settings, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::image::png;
@@ -60,15 +60,15 @@ pub(in crate::cli) struct Args {
 /// Wrong options or scene, or a file that cannot be written.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let method = catalogue.find("-m", &args.method)?;
-    let mut settings = resolve(&args.drawing, method, args.record.is_some())?;
-    args.effects.resolve(args.drawing.data, &mut settings.options)?;
+    let mut settings = complete(&args.drawing, method, args.record.is_some())?;
+    args.effects.complete(args.drawing.data, &mut settings.options)?;
     check_outputs(args)?;
     let single: Vec<&str> = outputs(args)
         .into_iter()
         .map(|(option, _)| option)
         .filter(|option| !["-o", "--stats"].contains(option))
         .collect();
-    if let Some(animation) = args.frames.resolve(&single)? {
+    if let Some(animation) = args.frames.complete(&single)? {
         let quiet = args.output.quiet;
         let load = || scene::load(&args.scene, &settings.overrides);
         let scene = wait::during(quiet, "loading", load)?;

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::explore::sample::stability::{self, Stability};
 use crate::report::json;
 use crate::report::text::{Align, columns};
-use crate::scheme::contract::Program;
+use crate::scheme::program::Program;
 use crate::scheme::{Contract, Form};
 
 #[derive(Debug, clap::Args)]

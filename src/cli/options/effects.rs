@@ -58,7 +58,7 @@ impl Effects {
     ///
     /// # Errors
     /// An effect of another form, or an option that belongs to another effect.
-    pub(in crate::cli) fn resolve(&self, data: Option<Data>, options: &mut Options) -> Result<()> {
+    pub(in crate::cli) fn complete(&self, data: Option<Data>, options: &mut Options) -> Result<()> {
         options.effect = self.effect()?;
         let goes_with = [
             ("--density", self.density.is_some(), "media"),
@@ -118,7 +118,7 @@ mod tests {
     fn resolved(words: &[&str], data: Option<Data>) -> Result<Options> {
         let line = std::iter::once(&"test").chain(words);
         let mut options = Options::default();
-        Line::try_parse_from(line).unwrap().effects.resolve(data, &mut options)?;
+        Line::try_parse_from(line).unwrap().effects.complete(data, &mut options)?;
         Ok(options)
     }
 

@@ -26,7 +26,7 @@ pub(in crate::cli) struct Settings {
 ///
 /// # Errors
 /// The option that is wrong, and what would be right.
-pub(in crate::cli) fn resolve(typed: &Drawing, method: Method, record: bool) -> Result<Settings> {
+pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) -> Result<Settings> {
     if typed.k == Some(0) {
         return Err(Error::new("-k", "0 fragments per pixel: must be at least 1"));
     }
@@ -195,7 +195,11 @@ mod tests {
 
     fn settings(line: &str) -> Result<Settings> {
         let words = std::iter::once("test").chain(line.split_whitespace());
-        resolve(&Line::try_parse_from(words).unwrap().drawing, Method::EXACT, line.contains("warp"))
+        complete(
+            &Line::try_parse_from(words).unwrap().drawing,
+            Method::EXACT,
+            line.contains("warp"),
+        )
     }
 
     #[test]

@@ -179,7 +179,8 @@ fn report(args: &Args, replayed: &SceneReplay) -> Result<Verdict> {
         json::document(report)?
     } else {
         let name = &replayed.scene.name;
-        format!("replayed {name}, with the same fragments\n{}", table::accounting(report))
+        let same = if report.fragments_hash.is_some() { "fragments" } else { "picture" };
+        format!("replayed {name}, with the same {same}\n{}", table::accounting(report))
     };
     say::result(&text)?;
     Ok(if replayed.is_wrong() { Verdict::Found } else { Verdict::Clean })

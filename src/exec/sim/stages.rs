@@ -12,8 +12,8 @@ use crate::exec::clock::Stopwatch;
 use crate::exec::{Job, Tally};
 use crate::memory::Counters;
 use crate::scheme::Held;
-use crate::scheme::contract::PassKind;
 use crate::scheme::course::Part;
+use crate::scheme::program::PassKind;
 use crate::scheme::task::{Ended, Task};
 
 /// Their results other than memory, by storage pixel.

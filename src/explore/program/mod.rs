@@ -6,13 +6,15 @@
 
 pub(super) mod case;
 pub(super) mod forest;
+pub mod instances;
 pub mod litmus;
 pub(super) mod machine;
 pub mod schedule;
 pub(super) mod subject;
 
 pub use self::case::Case;
-pub use self::litmus::{Family, Litmus, Stage};
+pub use self::instances::Family;
+pub use self::litmus::{Litmus, Stage};
 pub use self::machine::{Conditions, Final};
 pub use self::schedule::{Move, Schedule};
 pub use self::subject::Subject;

@@ -105,7 +105,7 @@ pub struct SceneToken {
     pub seed: u64,
     /// `--resident`.
     pub resident: u64,
-    /// `fragments_hash` of the result.
+    /// What identifies the result: `fragments_hash`, or `image_hash` of a method without lists.
     pub fragments_hash: String,
 }
 
@@ -226,9 +226,10 @@ impl std::str::FromStr for Token {
             let other = text.strip_prefix("fl").and_then(|t| t.split_once('-'));
             return Err(match other {
                 Some((version, _)) if version.chars().all(|c| c.is_ascii_digit()) => bad(&format!(
-                    "is of version {version} of the format; this fragloom reads version 2"
+                    "is of version {version} of the format; this fragloom reads version {}",
+                    PREFIX.trim_matches(|c: char| !c.is_ascii_digit())
                 )),
-                _ => bad("is not a token: a token begins with fl2-"),
+                _ => bad(&format!("is not a token: a token begins with {PREFIX}")),
             });
         };
         let damaged =

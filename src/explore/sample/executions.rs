@@ -11,8 +11,8 @@ use crate::explore::replay::token::{SceneToken, Token};
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
 use crate::explore::verdict::{Finding, Verdict};
-use crate::render::{Exec, Options, Sim, reference, render};
-use crate::resolve::digest::kept_hash;
+use crate::render::{Exec, Options, Rendering, Sim, reference, render};
+use crate::resolve::Kept;
 use crate::scene::Scene;
 use crate::scheme::Keeps;
 
@@ -33,7 +33,9 @@ pub struct Executions {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Executed {
     seed: u64,
-    fragments_hash: Option<String>,
+    /// It holds something else than the method must keep, where that is known.
+    differs: bool,
+    result_hash: String,
     image_hash: String,
     lost: u64,
     wrong: Vec<String>,
@@ -52,15 +54,11 @@ impl Executions {
     ) -> Result<Vec<Finding>> {
         let sim = self.sim()?;
         let right = reference(scene, &self.options)?;
-        let expected = right.kept.as_ref().and_then(kept_hash);
-        let run = |i: u64| self.run(scene, &sim, i, limits);
+        let run = |i: u64| self.run(scene, &sim, i, right.kept.as_ref(), limits);
         let all: Vec<Option<Executed>> =
             (0..self.count).into_par_iter().map(run).collect::<Result<_>>()?;
         let done: Vec<&Executed> = all.iter().flatten().collect();
-        Ok(vec![
-            self.keeps(subject, scene, &done, expected.as_deref()),
-            self.one_outcome(subject, scene, &done),
-        ])
+        Ok(vec![self.keeps(subject, scene, &done), self.one_outcome(subject, scene, &done)])
     }
 
     fn sim(&self) -> Result<Sim> {
@@ -75,6 +73,7 @@ impl Executions {
         scene: &Scene,
         sim: &Sim,
         i: u64,
+        right: Option<&Kept>,
         limits: &Limits<'_>,
     ) -> Result<Option<Executed>> {
         if (limits.cancelled)() {
@@ -83,28 +82,22 @@ impl Executions {
         let seed = sim.seed.wrapping_add(i);
         let exec = Exec::Sim(Sim { seed, ..sim.clone() });
         let options = Options { exec, threads: 1, counters: false, ..self.options.clone() };
-        let report = render(scene, &options)?.report;
+        let Rendering { kept, report, .. } = render(scene, &options)?;
         Ok(Some(Executed {
             seed,
-            fragments_hash: report.fragments_hash,
+            differs: right.is_some_and(|right| *right != kept),
+            result_hash: report.result_hash().to_owned(),
             image_hash: report.image_hash,
             lost: report.dropped.get("lost").copied().unwrap_or(0),
             wrong: report.violations,
         }))
     }
 
-    fn keeps(
-        &self,
-        subject: &Subject,
-        scene: &Scene,
-        done: &[&Executed],
-        expected: Option<&str>,
-    ) -> Finding {
+    fn keeps(&self, subject: &Subject, scene: &Scene, done: &[&Executed]) -> Finding {
         // Which hidden fragments are culled does not matter; each run has judged that they are hidden.
         let culls = subject.contract.keeps == Keeps::Visible;
         let wrong = |e: &&&Executed| {
-            let found = e.fragments_hash.as_deref();
-            let differs = if culls { e.lost > 0 } else { expected.is_some() && found != expected };
+            let differs = if culls { e.lost > 0 } else { e.differs };
             differs || !e.wrong.is_empty()
         };
         let failed: Vec<&&Executed> = done.iter().filter(wrong).collect();
@@ -112,12 +105,13 @@ impl Executions {
         let promised = match subject.contract.keeps {
             Keeps::Layers => "the nearest fragment of every depth",
             Keeps::Visible => "the exact fragments that can be seen",
+            Keeps::Merged | Keeps::Approximate(_) => "what the method says that pixels must hold",
             _ => "the exact fragments",
         };
         match failed.first() {
             Some(first) => {
                 row.verdict = Verdict::Violated;
-                row.token = Some(self.token(scene, first));
+                row.token = self.token(scene, first);
                 row.message = format!(
                     "{} of {} executions differ from {promised}; seed {} loses {}",
                     failed.len(),
@@ -154,7 +148,7 @@ impl Executions {
             row.message = format!("{} different images in {} executions", images.len(), done.len());
             let first = done.first().map(|e| e.image_hash.as_str());
             let other = done.iter().find(|e| Some(e.image_hash.as_str()) != first);
-            row.token = other.map(|e| self.token(scene, e));
+            row.token = other.and_then(|e| self.token(scene, e));
         } else if let Some(hash) = images.keys().next() {
             row.message =
                 format!("one image in {} executions, {hash}; a sample, no proof", done.len());
@@ -185,7 +179,11 @@ impl Executions {
         }
     }
 
-    fn token(&self, scene: &Scene, executed: &Executed) -> String {
+    /// `None` where inputs were given: a scene's token has no place for them.
+    fn token(&self, scene: &Scene, executed: &Executed) -> Option<String> {
+        if !self.options.inputs.is_empty() {
+            return None;
+        }
         let resident = self.sim().map_or(0, |sim| sim.resident as u64);
         let token = SceneToken {
             method: self.options.method.name().to_owned(),
@@ -195,8 +193,8 @@ impl Executions {
             schedule: self.schedule.clone(),
             seed: executed.seed,
             resident,
-            fragments_hash: executed.fragments_hash.clone().unwrap_or_default(),
+            fragments_hash: executed.result_hash.clone(),
         };
-        Token::Scene(token).to_string()
+        Some(Token::Scene(token).to_string())
     }
 }

@@ -49,13 +49,13 @@ impl SceneToken {
 /// Draw what a scene's token names, in its interleaving.
 ///
 /// # Errors
-/// The scene or the method does not exist, or has changed since: other fragments are kept.
+/// The scene or the method does not exist, or has changed since: the result is another.
 pub fn replay_scene(catalogue: &Catalogue, token: &SceneToken) -> Result<SceneReplay> {
     let scene = token.scene()?;
     let options = token.options(catalogue)?;
     let rendering = render(&scene, &options)?;
-    if rendering.report.fragments_hash.as_deref().unwrap_or_default() != token.fragments_hash {
-        let problem = "the token's scene or method has changed since: it gives other fragments";
+    if rendering.report.result_hash() != token.fragments_hash {
+        let problem = "the token's scene or method has changed since: it gives another result";
         return Err(Error::new("TOKEN", problem));
     }
     Ok(SceneReplay { scene, options, rendering })

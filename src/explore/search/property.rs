@@ -92,7 +92,7 @@ pub(in crate::explore) fn overflows(contract: &Contract, litmus: &Litmus) -> boo
         return true;
     }
     let short = (litmus.room as usize) < litmus.fragments.len();
-    short && !matches!(contract.overflow, Overflow::Never(_))
+    short && matches!(contract.overflow, Overflow::Drops(_))
 }
 
 /// What was wrong with a finished run.

@@ -7,10 +7,12 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+use super::plan::{MOST_PROGRESS, Plan};
 use super::sites;
 use super::{Finding, Verdict};
 use crate::explore::memory::model::MemoryModel;
-use crate::explore::program::litmus::{self, Family, Litmus};
+use crate::explore::program::instances::{self, Family};
+use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::Move;
 use crate::explore::program::subject::Subject;
@@ -19,70 +21,7 @@ use crate::explore::replay::token::{LitmusToken, Token};
 use crate::explore::search::exhaustive::{self, Explored, Found, Limits};
 use crate::explore::search::progress::{self, Lasso, Progress, Progressed};
 use crate::explore::search::property::Property;
-use crate::scheme::{Contract, Held};
-
-/// What to check, and how far.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    /// Fragments, from 1 up to this; `None` is 4 under sequential consistency and 3 otherwise.
-    pub fragments: Option<u32>,
-    /// The k to try, for methods that take one.
-    pub ks: Vec<u32>,
-    /// Memory models.
-    pub memory: Vec<MemoryModel>,
-    /// Progress models under which invocations must end; `None` is the model that the method may rely on, and weak
-    /// fairness.
-    pub progress: Option<Vec<Progress>>,
-    /// Whether invocations must end also as lanes of one warp.
-    pub simt: bool,
-    /// Helper invocations next to the first fragments.
-    pub helpers: u32,
-}
-
-impl Default for Plan {
-    fn default() -> Self {
-        Self {
-            fragments: None,
-            ks: vec![1, 2, 3],
-            memory: vec![
-                MemoryModel::Sequential,
-                MemoryModel::Relaxed(crate::explore::memory::model::Profile::Vulkan),
-            ],
-            progress: None,
-            simt: true,
-            helpers: 0,
-        }
-    }
-}
-
-/// The most fragments that instances have under relaxed memory, however many are requested: states grow fast.
-pub const MOST_RELAXED: u32 = 4;
-
-/// The most fragments for progress and reconvergence: three suffice for a lasso.
-pub const MOST_PROGRESS: u32 = 3;
-
-impl Plan {
-    /// Progress models for a method. Most methods need invocations that have begun to be scheduled again. A method that
-    /// relies on the ordered interlock also needs those before them, which is what the interlock guarantees.
-    #[must_use]
-    pub fn progress_of(&self, contract: &Contract) -> Vec<Progress> {
-        let begun = if contract.is_interlocked() { Progress::Lobe } else { Progress::Obe };
-        self.progress.clone().unwrap_or_else(|| vec![begun, Progress::Fair])
-    }
-
-    /// Fragments under a memory model.
-    #[must_use]
-    pub fn fragments_under(&self, contract: &Contract, memory: MemoryModel) -> u32 {
-        match (self.fragments, memory) {
-            // Every update of a cell is a message: a table has many states.
-            (n, MemoryModel::Relaxed(_)) if contract.crosses() => n.unwrap_or(2).min(2),
-            (None, MemoryModel::Sequential) => 4,
-            (None, MemoryModel::Relaxed(_)) => 3,
-            (Some(n), MemoryModel::Sequential) => n,
-            (Some(n), MemoryModel::Relaxed(_)) => n.min(MOST_RELAXED),
-        }
-    }
-}
+use crate::scheme::Held;
 
 /// All results of exploring a method under one memory model.
 #[derive(Clone, Debug)]
@@ -122,7 +61,7 @@ impl Survey {
             reached_elsewhere: BTreeSet::new(),
         };
         for n in 1..=family.fragments {
-            let instances = litmus::of_size(subject, family, n);
+            let instances = instances::of_size(subject, family, n);
             let explore = |litmus: Litmus| {
                 let explored = exhaustive::explore(&subject.case(&litmus), conditions, limits);
                 (litmus, explored)
@@ -261,7 +200,7 @@ impl Survey {
             depths.dedup();
             depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
         };
-        let instances = litmus::of_size(subject, &family, n);
+        let instances = instances::of_size(subject, &family, n);
         let conditions = Conditions { memory, warp: None };
         let row = |litmus: Litmus| {
             let survey = Self::given(subject, &litmus, conditions, limits);
@@ -287,8 +226,8 @@ impl Survey {
         let ks: Vec<String> = ks.iter().map(ToString::to_string).collect();
         let k = if ks.is_empty() { String::new() } else { format!(", k in {{{}}}", ks.join(", ")) };
         let patterns = match self.size {
-            n if n > litmus::ALL_PATTERNS => {
-                format!(" (all patterns up to {}, distinct depths beyond)", litmus::ALL_PATTERNS)
+            n if n > instances::ALL_PATTERNS => {
+                format!(" (all patterns up to {}, distinct depths beyond)", instances::ALL_PATTERNS)
             }
             _ => ", all patterns".to_owned(),
         };

@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
-use super::check::{self, Plan, Survey};
+use super::check::{self, Survey};
+use super::plan::Plan;
 use super::{Finding, Verdict};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
-use crate::explore::program::litmus::Family;
+use crate::explore::program::instances::Family;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
 use crate::explore::search::exhaustive::Limits;

@@ -8,12 +8,13 @@
 use serde::Serialize;
 
 use super::Verdict;
-use super::check::{self, Plan, Survey};
+use super::check::{self, Survey};
+use super::plan::Plan;
 use crate::catalogue::Catalogue;
 use crate::catalogue::faults::MUTATIONS;
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{MemoryModel, Profile};
-use crate::explore::program::litmus::Family;
+use crate::explore::program::instances::Family;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
 use crate::explore::search::exhaustive::Limits;

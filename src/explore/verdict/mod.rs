@@ -4,6 +4,7 @@ pub mod check;
 pub mod claims;
 pub mod expect;
 pub mod matrix;
+pub mod plan;
 pub(super) mod sites;
 
 use serde::{Deserialize, Serialize};

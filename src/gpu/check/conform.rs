@@ -9,7 +9,8 @@ use crate::exec::Instance;
 use crate::exec::drive::{Outcomes, Pipeline};
 use crate::exec::interpret::Interpreted;
 use crate::explore::Subject;
-use crate::explore::program::litmus::{Family, Litmus, instances};
+use crate::explore::program::instances::{Family, instances};
+use crate::explore::program::litmus::Litmus;
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
@@ -22,8 +23,9 @@ use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::num::depth::Format;
 use crate::raster::Record;
-use crate::scheme::contract::{Contract, PassKind};
+use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
+use crate::scheme::program::PassKind;
 use crate::scheme::{Config, Outcome};
 
 /// Room for a fragment in its buffer: the alignment that devices require of offsets.

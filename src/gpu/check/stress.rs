@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::crosscheck::Status;
-use crate::explore::program::litmus::{Family, Litmus, instances};
+use crate::explore::program::instances::{Family, instances};
+use crate::explore::program::litmus::Litmus;
 use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;

@@ -15,8 +15,9 @@ use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 use crate::scheme::Config;
-use crate::scheme::contract::{Contract, PassKind};
+use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
+use crate::scheme::program::PassKind;
 
 /// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
 const WORKGROUP: u64 = 64;

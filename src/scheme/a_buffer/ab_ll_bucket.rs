@@ -13,8 +13,8 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, depth_of};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Pass, PassKind, Program};
 use crate::scheme::parts::list::Lists;
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Lists of a pixel.

@@ -8,8 +8,9 @@ use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Barrier, Keeps, Overflow, Pass, Program};
+use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::ranges::{self, Ranges};
+use crate::scheme::program::{Barrier, Pass, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The correct form, or a fault in it.

@@ -27,7 +27,8 @@ use super::table::{Place, Table};
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
 use crate::memory::{Event, Layout, Memory, Order, Snapshot, Word};
 use crate::num::depth::Format;
-use crate::scheme::contract::{Alike, Barrier, Form, Keeps, Overflow, Pass, PassKind, Program};
+use crate::scheme::contract::{Alike, Form, Keeps, Overflow};
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
 
 /// The largest depth of 24 bits.

@@ -13,9 +13,8 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::{EMPTY, Format};
-use crate::scheme::contract::{
-    Accounting, Barrier, Dependence, Form, Keeps, Pass, PassKind, Program,
-};
+use crate::scheme::contract::{Accounting, Dependence, Form, Keeps};
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// The published form, or a fault in it.

@@ -18,7 +18,8 @@ use super::kb::insert;
 use crate::fragment::{Fragment, key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Accounting, Barrier, Keeps, Pass, PassKind, Program};
+use crate::scheme::contract::{Accounting, Keeps};
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Registers for entries, as in `kb`.

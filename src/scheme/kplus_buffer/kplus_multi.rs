@@ -11,10 +11,11 @@ use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Accounting, Barrier, Keeps, Overflow, Pass, Program};
+use crate::scheme::contract::{Accounting, Keeps, Overflow};
 use crate::scheme::parts::lock::{FREE, SpinLock};
 use crate::scheme::parts::max_array::{append, replace};
 use crate::scheme::parts::slots::{OfPixel, entry};
+use crate::scheme::program::{Barrier, Pass, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Where a pixel that has all its fragments goes on: behind every key.

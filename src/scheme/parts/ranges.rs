@@ -14,7 +14,8 @@
 //! tiling. Offsets within a block depend on the order of arrival; which records a pixel holds does not.
 
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
-use crate::scheme::contract::{Barrier, Demand, Pass, PassKind, Program};
+use crate::scheme::contract::Demand;
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keeps};
 
 /// Pixels of a block, and blocks of a group.

@@ -10,8 +10,9 @@
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Keeps, Pass, PassKind, Program};
+use crate::scheme::contract::Keeps;
 use crate::scheme::parts::ends::Ends;
+use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
 /// Buckets of a pixel.

@@ -4,7 +4,8 @@ pub mod depth_peel;
 pub mod depth_peel_bucket;
 pub mod depth_peel_dual;
 
-use super::contract::{Accounting, Barrier, Contract, Keeps, Pass, Program};
+use super::contract::{Accounting, Contract, Keeps};
+use super::program::{Barrier, Pass, Program};
 
 /// A round.
 const ROUND: &[Pass] = &[Pass::store(Barrier::Pixel)];

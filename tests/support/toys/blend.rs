@@ -4,11 +4,11 @@
 use fragloom::fragment::{Fragment, data_of};
 use fragloom::memory::{Atomic, Inputs, Layout, Memory, Order, Pixel, Words};
 use fragloom::render::Data;
-use fragloom::scheme::contract::Limit;
+use fragloom::scheme::contract::{Form, Limit};
 use fragloom::scheme::{Config, Contract, Keeps, Light, Outcome, Scheme};
 
-/// The method.
-pub(crate) struct BlendAverage {
+/// The method; without `ATOMIC`, a sum is raised by a load and a store.
+pub(crate) struct BlendAverage<const ATOMIC: bool> {
     /// Sums over fragments: red, green and blue by opacity, opacity, and 1.
     sums: Words<Pixel, Atomic, u32>,
 }
@@ -31,12 +31,16 @@ fn average(sums: [u32; 5]) -> Light {
     Light { color, transmittance, kept: 0 }
 }
 
-impl Scheme for BlendAverage {
+impl<const ATOMIC: bool> Scheme for BlendAverage<ATOMIC> {
     const CONTRACT: Contract = Contract {
         words: "5",
         data: Some(Data::Color),
         source: include_str!("blend.rs"),
-        ..Contract::new("blend-average", Keeps::Approximate(Limit::Nowhere))
+        form: if ATOMIC { Form::Correct } else { Form::Mutation },
+        ..Contract::new(
+            if ATOMIC { "blend-average" } else { "blend-average@load-store" },
+            Keeps::Approximate(Limit::Nowhere),
+        )
     };
 
     type Holds = Light;
@@ -53,7 +57,13 @@ impl Scheme for BlendAverage {
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         for (i, term) in (0..).zip(terms(fragment.data)) {
-            mem.add(self.sums.at(fragment.pixel, i), term, Order::Relaxed).await;
+            let sum = self.sums.at(fragment.pixel, i);
+            if ATOMIC {
+                mem.add(sum, term, Order::Relaxed).await;
+            } else {
+                let old = mem.load(sum, Order::Relaxed).await;
+                mem.store(sum, old + term, Order::Relaxed).await;
+            }
         }
         Outcome::Merged
     }

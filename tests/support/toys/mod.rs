@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub(crate) mod blend;
+pub(crate) mod blend_nearest;
 pub(crate) mod k_from_image;
 #[path = "../../../examples/merge_two.rs"]
 #[allow(dead_code, reason = "its main function")]
@@ -15,7 +16,8 @@ use fragloom::exec::Method;
 pub(crate) fn catalogue() -> Catalogue {
     let toys = [
         Method::of::<merge_two::MergeTwo>(),
-        Method::of::<blend::BlendAverage>(),
+        Method::of::<blend::BlendAverage<true>>(),
+        Method::of::<blend_nearest::BlendNearest>(),
         Method::of::<k_from_image::KFromImage<true>>(),
     ];
     toys.into_iter().fold(Catalogue::built_in(), |all, toy| all.with(toy).expect("a new name"))

@@ -2,7 +2,7 @@
 //! [`crate::catalogue::faults`].
 
 use super::{Bits64, CLEAR, CONTRACT, Contract, PROGRAM, Variant};
-use crate::scheme::contract::{Barrier, Pass, Program};
+use crate::scheme::program::{Barrier, Pass, Program};
 
 /// M13: the age is cut to its field, so that it begins again.
 #[derive(Debug)]

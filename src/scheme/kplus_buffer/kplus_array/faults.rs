@@ -8,8 +8,9 @@ use super::KPlusArray;
 use crate::fragment::{Fragment, depth_of, key, pair_key};
 use crate::memory::{Access, Layout, Memory, Order, Snapshot};
 use crate::num::depth::EMPTY;
-use crate::scheme::contract::{Barrier, Contract, Dependence, Pass, Program};
+use crate::scheme::contract::{Contract, Dependence};
 use crate::scheme::parts::lock::FREE;
+use crate::scheme::program::{Barrier, Pass, Program};
 use crate::scheme::{Config, Keys, Moment, Outcome, Scheme};
 
 /// A fault: each constant is as it must be unless the fault says otherwise.

@@ -1,0 +1,343 @@
+//! The instances of a method: every litmus pixel up to a size, from its contract.
+//!
+//! Fragments matter to a scheme only through the order of their (depth, data), so they are enumerated up to order:
+//! sorted neighbours differ in depth, only in data, or not at all, which gives 3^(n-1) patterns. The first depth is 0
+//! and, with several, the last is the far plane's, so the ends of the range are always included.
+
+use super::litmus::Litmus;
+use super::subject::Subject;
+use crate::fragment::{Data, key};
+use crate::memory::{Declared, Per};
+use crate::num::depth::{FARTHEST, Format};
+use crate::scheme::Contract;
+use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::hash_table::table::{Offsets, TableSettings};
+
+/// How many fragments have all patterns of neighbours; more have distinct depths.
+pub const ALL_PATTERNS: u32 = 5;
+
+/// How a fragment relates to the one before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Relation {
+    Farther,
+    OtherData,
+    Same,
+}
+
+/// Which instances to make.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Family {
+    /// Fragments, from 1 up to this.
+    pub fragments: u32,
+    /// The k to try, for methods that take one.
+    pub ks: Vec<u32>,
+    /// Helper invocations next to the first fragments.
+    pub helpers: u32,
+}
+
+/// All instances of a method, smallest first: by n, then k, then room and pixels, then pattern.
+#[must_use]
+pub fn instances(subject: &Subject, family: &Family) -> Vec<Litmus> {
+    (1..=family.fragments).flat_map(|n| of_size(subject, family, n)).collect()
+}
+
+/// The instances with exactly `n` fragments.
+#[must_use]
+pub fn of_size(subject: &Subject, family: &Family, n: u32) -> Vec<Litmus> {
+    let all = of_contract(subject.contract, family, n);
+    let Some(first) = all.first() else { return all };
+    let declared = subject.case(first).instance.layout().inputs().to_vec();
+    if declared.is_empty() {
+        return all;
+    }
+    all.into_iter().flat_map(|litmus| with_inputs(litmus, &declared)).collect()
+}
+
+/// An instance with every choice of the values to try for its inputs, for up to three words of an input that matter;
+/// with more words, one value for all of them, and the values in turn.
+fn with_inputs(litmus: Litmus, declared: &[Declared]) -> Vec<Litmus> {
+    let mut all = vec![litmus];
+    for input in declared {
+        let longer = |litmus: &Litmus| {
+            let choices = choices(litmus, input);
+            let litmus = litmus.clone();
+            choices.into_iter().map(move |words| {
+                let mut litmus = litmus.clone();
+                litmus.inputs.push(words);
+                litmus
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+/// The words of one input to try on an instance.
+fn choices(litmus: &Litmus, input: &Declared) -> Vec<Vec<u32>> {
+    const MOST: usize = 3;
+    let tried = if input.tried.is_empty() { &[input.default][..] } else { input.tried };
+    let mut places: Vec<u32> = match input.per {
+        Per::Pixel => (0..litmus.pixels).collect(),
+        Per::Primitive => litmus.fragments.iter().map(|f| f.2).collect(),
+        Per::Frame(words) => (0..words as u32).collect(),
+    };
+    places.sort_unstable();
+    places.dedup();
+    let spread = |values: &[u32]| {
+        let mut words = vec![input.default; places.last().map_or(0, |&last| last as usize + 1)];
+        for (&place, &value) in places.iter().zip(values) {
+            words[place as usize] = value;
+        }
+        words
+    };
+    let mut values: Vec<Vec<u32>> = vec![Vec::new()];
+    if places.len() <= MOST {
+        for _ in &places {
+            let longer = |head: &Vec<u32>| {
+                let head = head.clone();
+                tried.iter().map(move |&value| [head.as_slice(), &[value]].concat())
+            };
+            values = values.iter().flat_map(longer).collect();
+        }
+    } else {
+        values = tried.iter().map(|&value| vec![value; places.len()]).collect();
+        values.push((0..places.len()).map(|i| tried[i % tried.len()]).collect());
+    }
+    values.iter().map(|values| spread(values)).collect()
+}
+
+/// The instances with exactly `n` fragments, for any inputs.
+fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
+    let ks: Vec<Option<u32>> = if contract.default_k.is_some() {
+        family.ks.iter().copied().filter(|&k| k <= contract.max_k).map(Some).collect()
+    } else {
+        vec![None]
+    };
+    let short = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest && n > 1;
+    let rooms = if short { vec![n, n - 1] } else { vec![n] };
+    let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
+    let mut all = Vec::new();
+    if contract.crosses() {
+        return hashed(contract, family, n);
+    }
+    for &k in &ks {
+        for &room in &rooms {
+            for pixels in 1..=spread {
+                for relations in patterns(n, pixels) {
+                    let sorted = fragments(&relations, pixels, contract);
+                    let helpers = family.helpers.min(n);
+                    for fragments in arrivals(sorted, contract) {
+                        let (table, inputs) = (None, Vec::new());
+                        all.push(Litmus { pixels, k, room, fragments, helpers, table, inputs });
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The instances of a method with a hash table: also with tables of one to eight cells, and with fragments spread over
+/// up to three pixels (over two, in every way).
+fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
+    let helpers = family.helpers.min(n);
+    let mut all = Vec::new();
+    for pixels in 1..=n.min(3) {
+        let mut lists: Vec<Vec<(u32, u32, u32)>> = Vec::new();
+        for relations in patterns(n, pixels) {
+            lists.extend(colored(fragments(&relations, pixels, contract), contract));
+        }
+        if pixels == 2 && n <= ALL_PATTERNS {
+            lists = lists.iter().flat_map(|list| divided(list)).collect();
+        }
+        for table in tables(contract, n, pixels) {
+            for fragments in lists.iter().cloned() {
+                let table = Some(table);
+                let (k, inputs) = (None, Vec::new());
+                all.push(Litmus { pixels, k, room: n, fragments, helpers, table, inputs });
+            }
+        }
+    }
+    all
+}
+
+/// The fragments divided between two pixels in every way that leaves some at both.
+fn divided(list: &[(u32, u32, u32)]) -> Vec<Vec<(u32, u32, u32)>> {
+    let ways = 1..(1u32 << list.len()) - 1;
+    let way = |bits: u32| {
+        let pixel = move |i: usize| bits >> i & 1;
+        list.iter().enumerate().map(|(i, f)| (pixel(i), f.1, f.2)).collect()
+    };
+    ways.map(way).collect()
+}
+
+/// For a method that depends on opacity: every choice of opaque fragments, and of those that let nearly all light pass.
+fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+    if contract.keeps != Keeps::Visible {
+        return vec![list];
+    }
+    let alphas = |bits: u32| {
+        let mut list = list.clone();
+        for (i, fragment) in list.iter_mut().enumerate() {
+            let alpha: u32 = if bits >> i & 1 == 1 { 240 } else { 16 };
+            fragment.2 |= alpha << 24;
+        }
+        list
+    };
+    let mut all: Vec<_> = (0..1u32 << list.len().min(5)).map(alphas).collect();
+    all.iter_mut().for_each(|list| list.sort_by_key(|&(_, depth, data)| key(depth, data)));
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Tables to try. With one or two fragments: of one to four cells, with all sequences of three offsets, and some of
+/// eight cells with seven ages; with three, every fifth of those; with more, one of one, two, four and eight cells
+/// each.
+fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
+    let table = |size, ages, seed| TableSettings {
+        size,
+        ages,
+        offsets: Offsets::Digits,
+        seed,
+        ..TableSettings::default()
+    };
+    // Ages one after another along a row of cells.
+    let straight = |cells: u32, ages: u32| {
+        let base = u64::from(cells);
+        let seed = (0..ages).rev().fold(0, |seed, age| seed * base + u64::from(age) % base);
+        table([cells, 1], ages, seed)
+    };
+    let mut all = Vec::new();
+    if n > 3 || contract.keeps == Keeps::Visible {
+        // The walks of early culling concern one pixel: no table needs to wrap.
+        all.push(straight(8, n + 2));
+    }
+    if contract.keeps == Keeps::Visible {
+        all.extend((n <= 3).then(|| straight(3, 3)));
+    } else if n > 3 {
+        all.extend([1, 2, 4].map(|cells| straight(cells, 3)));
+    } else {
+        for (size, ages) in [([1, 1], 3), ([2, 1], 3), ([3, 1], 3), ([2, 2], 3), ([4, 2], 7)] {
+            let cells = u64::from(size[0] * size[1]);
+            let stride = if cells == 8 { 300_007 } else { 1 } * if n == 3 { 5 } else { 1 };
+            let seeds = (0..cells.pow(ages)).step_by(stride);
+            all.extend(seeds.map(|seed| table(size, ages, seed)));
+        }
+    }
+    all.retain(|table| table.size[0] >= pixels);
+    all
+}
+
+/// The orders of arrival to try. It matters only where the interlock makes it the order of execution. Then all orders
+/// of up to four fragments; of more, forwards and backwards.
+fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+    if !contract.is_interlocked() {
+        return vec![sorted];
+    }
+    if sorted.len() > 4 {
+        let back = sorted.iter().rev().copied().collect();
+        return vec![sorted, back];
+    }
+    let mut all = vec![Vec::new()];
+    for fragment in sorted {
+        let longer = |order: &Vec<(u32, u32, u32)>| {
+            let order = order.clone();
+            (0..=order.len()).map(move |place| {
+                let mut order = order.clone();
+                order.insert(place, fragment);
+                order
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// The relations of n sorted fragments, all of them for up to [`ALL_PATTERNS`] fragments of one pixel.
+fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
+    if n > ALL_PATTERNS || pixels > 1 {
+        return vec![vec![Relation::Farther; n as usize - 1]];
+    }
+    let mut all = vec![Vec::new()];
+    for _ in 1..n {
+        let longer = |head: &Vec<Relation>| {
+            [Relation::Farther, Relation::OtherData, Relation::Same].map(|r| {
+                let mut next = head.clone();
+                next.push(r);
+                next
+            })
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+fn fragments(relations: &[Relation], pixels: u32, contract: &Contract) -> Vec<(u32, u32, u32)> {
+    let format = contract.depth_format.unwrap_or(Format::D32);
+    let levels = 1 + relations.iter().filter(|&&r| r == Relation::Farther).count() as u32;
+    // Data words decrease as depth grows, so that nothing sorted by one is sorted by the other.
+    let first_data = |level: u32| (levels - level) * 0x10;
+    let (mut level, mut data) = (0, first_data(0));
+    let mut all = Vec::new();
+    for i in 0..=relations.len() {
+        match i.checked_sub(1).map(|before| relations[before]) {
+            Some(Relation::Farther) => {
+                level += 1;
+                data = first_data(level);
+            }
+            Some(Relation::OtherData) => data += 1,
+            _ => {}
+        }
+        let code = if level + 1 == levels { FARTHEST } else { level * 0x1000_0000 };
+        let data = if contract.data == Some(Data::Nothing) { 0 } else { data };
+        all.push((i as u32 % pixels, format.encode(code), data));
+    }
+    all.sort_by_key(|&(_, depth, data)| key(depth, data));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::catalogue;
+
+    fn sized(method: &str, n: u32) -> Vec<Litmus> {
+        let family = Family { fragments: n, ks: vec![1, 2, 3], helpers: 0 };
+        let subject = Subject::new(catalogue::method(method).expect("known")).expect("a scheme");
+        of_size(&subject, &family, n)
+    }
+
+    #[test]
+    fn patterns_are_all_and_distinct() {
+        for n in 1..=5u32 {
+            let one_pixel = sized("kplus-array", n).into_iter().filter(|l| l.pixels == 1);
+            let distinct: BTreeSet<Litmus> = one_pixel.collect();
+            assert_eq!(distinct.len(), 3 * 3usize.pow(n - 1), "three k, n = {n}");
+        }
+        assert_eq!(sized("kplus-array", 6).len(), 3, "beyond, distinct depths only");
+    }
+
+    #[test]
+    fn the_ends_of_the_range_are_among_them() {
+        for litmus in sized("kplus-array", 3) {
+            let keys: Vec<u32> = litmus.fragments.iter().map(|f| f.1).collect();
+            assert!(keys.contains(&FARTHEST));
+            assert!(keys.is_sorted());
+            let levels: BTreeSet<u32> = keys.iter().copied().collect();
+            assert!(levels.len() == 1 || keys.contains(&0));
+        }
+    }
+
+    #[test]
+    fn pools_and_slots_are_also_tried_too_small() {
+        for method in ["ab-ll", "ab-array"] {
+            let rooms: BTreeSet<u32> = sized(method, 3).iter().map(|l| l.room).collect();
+            assert_eq!(rooms, BTreeSet::from([2, 3]), "{method}");
+        }
+    }
+}
