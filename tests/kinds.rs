@@ -15,7 +15,7 @@ use fragloom::explore::{MemoryModel, properties};
 use fragloom::fragment::{data_of, depth_of};
 use fragloom::memory::{Atomic, Pixel, Words};
 use fragloom::memory::{Declared, Input, Inputs, Layout, Memory, Order, Per};
-use fragloom::render::{Data, Effect, Exec, Given, Kept, Options, Policy, render};
+use fragloom::render::{Data, Effect, Exec, Given, Kept, Options, Policy, Sim, render};
 use fragloom::scheme::{Config, Contract, HeldKind, Keeps, Light, Outcome, Record, Scheme};
 use support::{draw, lists, options, policies, scene, sim, small_scenes};
 use toys::blend::BlendAverage;
@@ -247,10 +247,12 @@ fn the_explorer_verifies_them() {
 #[test]
 fn a_lost_term_of_a_colour_is_found_on_a_scene() {
     let scene = scene("synthetic:n=9", [16, 16]);
+    // All invocations at once, so that those of a pixel overlap.
+    let all = Sim { policy: Policy::RoundRobin, resident: 4_096, ..Sim::default() };
     let executions = |method: Method| Executions {
         name: "synthetic:n=9".to_owned(),
         schedule: "round-robin".to_owned(),
-        options: Options { method, exec: sim(Policy::RoundRobin, 0), ..Options::default() },
+        options: Options { method, exec: Exec::Sim(all.clone()), ..Options::default() },
         count: 2,
     };
     let good = Method::of::<BlendAverage<true>>();
