@@ -69,7 +69,7 @@ impl Scheme for KPlusArray {
 
     /// One body, no inner `async fn`: see `memory::both`.
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (pixel, new) = (fragment.pixel, fragment.key());
+        let pixel = fragment.pixel;
         let counter = self.counter.at(pixel, 0);
         // A full array's farthest is in entry 0: what lies behind it need not wait for the lock.
         let test = mem.block();
@@ -84,6 +84,7 @@ impl Scheme for KPlusArray {
         loop {
             let attempt = mem.block();
             if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
+                let new = fragment.key();
                 let count = mem.load(counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
