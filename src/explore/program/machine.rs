@@ -1,16 +1,17 @@
 //! An instance made ready to run: its invocations' trees, its memory after the clear pass, and what one move does.
 //!
-//! The stages that are explored are those of the method's course with more in them than clear or resolve alone, which
-//! run one after another. Stages have equally many invocations: the missing ones have nothing to do. A move is one
-//! operation of one invocation (or leaving a block), with the local computation after it. When all of a stage have
-//! ended, the next one begins in the same move.
+//! The stages that are explored are those of the method's course. Clear and resolve are left out where nothing depends
+//! on it: where no two of their invocations can meet, and none reads a word that nobody wrote ([`Alone`]). Whether
+//! clear is left out depends on the instance alone, and for resolve it is decided at every end. Stages have equally
+//! many invocations: the missing ones have nothing to do. A move is one operation of one invocation (or leaving a
+//! block), with the local computation after it. When all of a stage have ended, the next one begins in the same move.
 //!
 //! State: a slice of u32, the head and then the memory.
 //!
 //! ```text
 //! nodes    `width` words: the node of every invocation in the forest
 //! moved    for progress only: a bit for every invocation that has moved in this stage
-//! stage    for a program of several stages or rounds: which stage, which round, which results of earlier rounds
+//! stage    which stage, which round, which results so far
 //! memory   what the model stores
 //! ```
 //!
@@ -28,15 +29,17 @@
 //!
 //! Why it is sound: by 1 a search may keep one of equal states. Other invocations see nothing of local computation,
 //! so that no result is lost if it comes with the operation before it. A barrier comes after all of one stage and
-//! before all of the next, so that it needs no move of its own.
+//! before all of the next, so that it needs no move of its own. Invocations that ran one after another and did not
+//! meet do in every other order what they did in this one, by induction over the operations of that order: each reads
+//! what it wrote itself, or what was there before the stage. So the words that they accessed in this order are those
+//! that they access in any.
 //!
-//! Left out: interleavings within clear alone and within resolve alone; there an unwritten word reads as 0 (clear) or
-//! all ones (resolve). A barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
+//! Left out: a barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
 //! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
-//! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end. A
-//! task that runs alone is cut off after [`Overlay::MOST_STEPS`], and nothing reports it. Here the method's invariant
-//! is looked at between rounds, and not at barriers within a round. If lanes leave a block together, only the one
-//! that moves is asked for faults.
+//! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end.
+//! A task that is left out is cut off after [`Alone::MOST_STEPS`], and nothing reports it. The method's invariant is
+//! looked at while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block
+//! together, only the one that moves is asked for faults.
 //!
 //! Published: a state as a vector with an index for every process's own state: Holzmann, "State compression in SPIN"
 //! (SPIN 1997). Local computation joined to an operation: Lipton, "Reduction" (CACM 1975). Helpers are those of the
@@ -86,21 +89,21 @@ pub(in crate::explore) struct Machine<'a> {
     /// Invocations of every stage.
     pub(in crate::explore) width: usize,
     course: Course,
-    /// Stages of the course before the first that is explored: what clears alone.
+    /// Stages of the course before the first that is explored: 1 if clear is left out.
     before: usize,
+    /// The first stage that is explored clears, and does nothing else.
+    clears: bool,
     conditions: Conditions,
     /// The memory of the loaded state.
     model: Box<dyn Model>,
-    /// What resolves alone, after the last stage that is explored; empty if resolve overlaps with it.
-    after: Vec<Task>,
+    /// The last stage, if it resolves and does nothing else: it is left out where its invocations do not meet.
+    resolves: Option<u32>,
     /// Words before the model's: the nodes, the word of the invocations that have moved, and that of the stage.
     head: usize,
-    /// Where the word of the stage is.
-    stage_word: Option<usize>,
     /// How far the loaded state has come.
     at: At,
-    /// The results of earlier rounds met so far: what every pixel holds. A state has an index.
-    results: Vec<Vec<Held>>,
+    /// Results so far, all that were met. A state has an index.
+    results: Vec<Final>,
     /// Words that only grow while fragments are stored; empty where there are none.
     growing: Vec<bool>,
     /// By stage: it stores fragments, and does nothing else.
@@ -116,7 +119,7 @@ pub(in crate::explore) struct Machine<'a> {
 struct At {
     stage: u32,
     round: u32,
-    /// Index of the results of earlier rounds.
+    /// Index of the results so far: what every pixel holds from earlier rounds; and, during resolve, the reports.
     results: u32,
 }
 
@@ -159,14 +162,20 @@ impl<'a> Machine<'a> {
         let Case { contract, instance, numbering, litmus, .. } = case;
         let course = Course::of(&contract.program);
         let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
-        // Clear and resolve leave the exploration only if nothing overlaps with them.
-        let alone = |parts: Option<&Vec<Part>>, part| parts.is_some_and(|parts| *parts == [part]);
-        let mut after = Vec::new();
-        if alone(course.stages().last(), Part::Resolve) {
-            after = stages.pop().map(|stage| stage.tasks).unwrap_or_default();
+        // Clear and resolve may be left out only if nothing else runs with them.
+        let is = |parts: Option<&Vec<Part>>, part| parts.is_some_and(|parts| *parts == [part]);
+        let resolves = is(course.stages().last(), Part::Resolve);
+        let mut clears = is(course.stages().first(), Part::Clear);
+        let mut forest = Forest::new(case, conditions.warp.is_some());
+        let mut cleared = BTreeMap::new();
+        let mut before = 0;
+        if clears
+            && let Some(alone) = Alone::run(&mut forest, &stages[0].tasks, &|_| None, numbering)
+        {
+            cleared = alone.written;
+            stages.remove(0);
+            (clears, before) = (false, 1);
         }
-        let before = usize::from(alone(course.stages().first(), Part::Clear));
-        let clearing: Vec<Task> = stages.drain(..before).flat_map(|stage| stage.tasks).collect();
         let width = stages.iter().map(|s| s.tasks.len()).max().unwrap_or(0);
         assert!(width <= MOST_INVOCATIONS, "a litmus pixel has few invocations");
         stages.iter_mut().for_each(|stage| stage.tasks.resize(width, Task::Idle));
@@ -174,29 +183,30 @@ impl<'a> Machine<'a> {
             stage.tasks.iter().all(|task| matches!(task, Task::Store(_) | Task::Idle))
         };
         let storing = stages.iter().map(stores).collect();
-        let mut forest = Forest::new(case, conditions.warp.is_some());
-        let cleared = clear(&mut forest, &clearing, numbering);
+        let initial = |cell: u32| match cleared.get(&cell) {
+            Some(&value) => Initial::Written(value),
+            None => Initial::Unwritten,
+        };
+        let initial: Vec<Initial> = (0..numbering.count() as u32).map(initial).collect();
         let candidates = litmus.candidates();
-        let model = memory::make(conditions.memory, numbering, &cleared, &candidates, width);
-        let several = stages.len() > 1 || contract.program.repeats;
-        let stage_word = several.then_some(width + usize::from(progress));
-        let head = width + usize::from(progress) + usize::from(several);
+        let model = memory::make(conditions.memory, numbering, &initial, &candidates, width);
+        let nothing = vec![case.method.holds().empty(); litmus.pixels as usize];
         let mut machine = Self {
             case,
             litmus,
             contract,
             forest,
-            stages,
             width,
             course,
             before,
+            clears,
             conditions,
             model,
-            after,
-            head,
-            stage_word,
+            resolves: resolves.then_some(stages.len() as u32 - 1),
+            stages,
+            head: width + usize::from(progress) + 1,
             at: At::default(),
-            results: vec![vec![case.method.holds().empty(); litmus.pixels as usize]],
+            results: vec![Final { pixels: nothing, outcomes: Vec::new() }],
             growing: growing(instance.layout(), numbering),
             storing,
             full: false,
@@ -217,9 +227,7 @@ impl<'a> Machine<'a> {
         state.clear();
         state.extend(tasks.into_iter().map(|task| self.forest.root(task)));
         state.resize(self.head, 0);
-        if let Some(word) = self.stage_word {
-            state[word] = at.pack();
-        }
+        state[self.head - 1] = at.pack();
         let live = self.live(&state[..self.width]);
         self.model.store(live, state);
     }
@@ -239,12 +247,22 @@ impl<'a> Machine<'a> {
             let at = self.at;
             // The course counts the stages that are not explored, too.
             let here = course::At { stage: at.stage as usize + self.before, round: at.round };
-            if let Some(next) = self.explored(self.course.after(here, false)) {
+            let next = self.explored(self.course.after(here, false));
+            let resolves = next.is_some_and(|next| Some(next.stage) == self.resolves);
+            if let Some(next) = next
+                && !(resolves && self.resolve_alone().is_some())
+            {
+                let mut results = at.results;
+                if resolves {
+                    wrong = wrong.or(self.invariant(Moment::Quiet).err());
+                    let (reported, _) = self.reported(&state[..self.width]);
+                    results = self.intern(reported);
+                }
                 self.model.barrier(&BTreeMap::new());
-                self.begin(At { stage: next.stage, ..at }, state);
+                self.begin(At { stage: next.stage, results, ..at }, state);
                 continue;
             }
-            // The end of a round. Resolve says whether there is another; if it is alone, it runs now.
+            // The end of a round. Resolve says whether there is another; if it is left out, it runs now.
             if !self.contract.program.repeats {
                 break;
             }
@@ -256,18 +274,25 @@ impl<'a> Machine<'a> {
                 self.full = true;
                 break;
             }
-            wrong = wrong.or(self.invariant(Moment::Quiet).err());
+            if self.is_in_passes() {
+                wrong = wrong.or(self.invariant(Moment::Quiet).err());
+            }
             // In one order, so that equal results have one index.
             end.pixels.iter_mut().for_each(Held::sort);
-            let known = self.results.iter().position(|r| *r == end.pixels);
-            let results = known.unwrap_or_else(|| {
-                self.results.push(end.pixels);
-                self.results.len() - 1
-            });
+            let results = self.intern(Final { outcomes: Vec::new(), ..end });
             self.model.barrier(&written);
-            self.begin(At { results: results as u32, ..next }, state);
+            self.begin(At { results, ..next }, state);
         }
         wrong
+    }
+
+    /// The index of results.
+    fn intern(&mut self, results: Final) -> u32 {
+        let known = self.results.iter().position(|known| *known == results);
+        known.unwrap_or_else(|| {
+            self.results.push(results);
+            self.results.len() - 1
+        }) as u32
     }
 
     /// A stage of the course as one of those that are explored, if it is one.
@@ -303,6 +328,12 @@ impl<'a> Machine<'a> {
         &self.initial
     }
 
+    /// Whether the method's passes run in the loaded state: its invariant does not concern what clears or resolves.
+    pub(in crate::explore) fn is_in_passes(&self) -> bool {
+        let clears = self.clears && self.at.stage == 0;
+        !clears && self.resolves != Some(self.at.stage)
+    }
+
     /// Words have one value at a time.
     pub(in crate::explore) fn is_sequential(&self) -> bool {
         self.conditions.memory == MemoryModel::Sequential
@@ -332,7 +363,7 @@ impl<'a> Machine<'a> {
 
     /// Take up a state: everything that a move depends on (1), but for the nodes, which the caller has.
     pub(in crate::explore) fn load(&mut self, state: &[u32]) {
-        self.at = self.stage_word.map_or(At::default(), |word| At::unpack(state[word]));
+        self.at = At::unpack(state[self.head - 1]);
         self.model.load(&state[self.head..]);
     }
 
@@ -470,38 +501,55 @@ impl<'a> Machine<'a> {
         end
     }
 
-    /// The same, with the lists in any order, what resolve wrote, and whether some pixel needs another round.
-    fn resolved(&mut self, nodes: &[NodeId]) -> (Final, BTreeMap<u32, u64>, bool) {
-        let mut pixels = self.results[self.at.results as usize].clone();
-        let (mut outcomes, mut again) = (Vec::new(), false);
-        let mut found = |ended: &Ended| match ended {
-            Ended::Resolved(pixel, held, more) => {
-                pixels[*pixel as usize].append(held.clone());
-                again |= *more;
-            }
-            Ended::Stored(outcome) => outcomes.push(*outcome),
-            Ended::Done => {}
-        };
+    /// What has been found up to the loaded state, and whether some pixel needs another round.
+    fn reported(&self, nodes: &[NodeId]) -> (Final, bool) {
+        let mut found = self.results[self.at.results as usize].clone();
+        let mut again = false;
         for (invocation, &node) in nodes.iter().enumerate() {
             if let Step::Ended(end) = self.forest.node(node).step
                 && !self.is_helper(invocation)
             {
-                found(self.forest.ended(end));
+                again |= found.add(self.forest.ended(end));
             }
         }
-        // Behind a barrier: everything that was written is seen, and the model stays as it is.
-        let mut memory = Overlay { written: BTreeMap::new() };
-        for task in self.after.clone() {
-            let node = {
-                let model = &self.model;
-                let garbage = |cell| model.settled(cell).unwrap_or(u64::MAX);
-                memory.run(&mut self.forest, task, &garbage, &self.case.numbering)
-            };
-            if let Step::Ended(end) = self.forest.node(node).step {
-                found(self.forest.ended(end));
-            }
+        (found, again)
+    }
+
+    /// The same after resolve, with the lists in any order, and what a resolve that was left out wrote.
+    fn resolved(&mut self, nodes: &[NodeId]) -> (Final, BTreeMap<u32, u64>, bool) {
+        let (mut found, mut again) = self.reported(nodes);
+        let left_out = self.resolves.is_some_and(|resolves| resolves != self.at.stage);
+        let Some(alone) = left_out.then(|| self.resolve_alone()).flatten() else {
+            return (found, BTreeMap::new(), again);
+        };
+        for ended in &alone.ends {
+            again |= found.add(ended);
         }
-        (Final { pixels, outcomes }, memory.written, again)
+        (found, alone.written, again)
+    }
+
+    /// Resolve one pixel after another, behind a barrier: everything that was written is seen, and the model stays as
+    /// it is. `None` if the order may matter.
+    fn resolve_alone(&mut self) -> Option<Alone> {
+        let tasks = self.stages[self.resolves? as usize].tasks.clone();
+        let model = &self.model;
+        let below = |cell| model.settled(cell);
+        Alone::run(&mut self.forest, &tasks, &below, &self.case.numbering)
+    }
+}
+
+impl Final {
+    /// Add what became of an invocation. Returns whether its pixel needs another round.
+    fn add(&mut self, ended: &Ended) -> bool {
+        match ended {
+            Ended::Resolved(pixel, held, again) => {
+                self.pixels[*pixel as usize].append(held.clone());
+                return *again;
+            }
+            Ended::Stored(outcome) => self.outcomes.push(*outcome),
+            Ended::Done => {}
+        }
+        false
     }
 }
 
@@ -518,63 +566,95 @@ fn growing(layout: &Layout, numbering: &Numbering) -> Vec<bool> {
     (0..numbering.count() as u32).map(grows).collect()
 }
 
-/// Words written by invocations that run one after another, on top of a memory that stays as it is.
-struct Overlay {
-    /// By number, the last value.
+/// Invocations of one stage that ran one after another, and did not meet: no two of them accessed one word which one of
+/// them wrote, and none read a word that nobody had written. So any other order, under any memory model, has the same
+/// results.
+struct Alone {
+    /// By number, the last value written.
     written: BTreeMap<u32, u64>,
+    /// How they ended.
+    ends: Vec<Ended>,
 }
 
-impl Overlay {
+impl Alone {
     /// The most operations of one such invocation: a list that is a ring must not hold us up. One that is cut off has
     /// no outcome: a pixel then holds nothing.
     const MOST_STEPS: usize = 4_096;
 
-    /// Run a task to its end on words that `below` has where none was written; the node it reached.
+    /// Run tasks on words that `below` has where none was written; `None` if they meet.
     fn run(
-        &mut self,
         forest: &mut Forest<'_>,
-        task: Task,
-        below: &dyn Fn(u32) -> u64,
+        tasks: &[Task],
+        below: &dyn Fn(u32) -> Option<u64>,
         numbering: &Numbering,
-    ) -> NodeId {
-        let mut node = forest.root(task);
-        for _ in 0..Self::MOST_STEPS {
-            let result = match forest.node(node).step {
-                Step::Ended(_) => break,
-                Step::Merge | Step::Operation(Numbering::OUTSIDE, _) => 0,
-                Step::Operation(cell, action) => {
-                    let bits = numbering.address(cell).bits;
-                    let old = self.written.get(&cell).copied();
-                    let old = || old.unwrap_or_else(|| model::cut(below(cell), bits));
-                    match action {
-                        Action::Read(_) => old(),
-                        Action::Write(value, _) => {
-                            self.written.insert(cell, value);
-                            0
-                        }
-                        Action::Update(update, _) => {
-                            let old = old();
-                            self.written.insert(cell, model::cut(update.apply(old), bits));
-                            old
-                        }
+    ) -> Option<Self> {
+        let mut alone = Self { written: BTreeMap::new(), ends: Vec::new() };
+        let mut seen = Accesses::default();
+        for (invocation, &task) in tasks.iter().enumerate() {
+            let mut node = forest.root(task);
+            for _ in 0..Self::MOST_STEPS {
+                let result = match forest.node(node).step {
+                    Step::Ended(end) => {
+                        alone.ends.push(forest.ended(end).clone());
+                        break;
                     }
-                }
-            };
-            node = forest.child(node, result);
+                    Step::Merge | Step::Operation(Numbering::OUTSIDE, _) => 0,
+                    Step::Operation(cell, action) => {
+                        if seen.meet(invocation, cell, !matches!(action, Action::Read(_))) {
+                            return None;
+                        }
+                        let bits = numbering.address(cell).bits;
+                        let old = || latest(&alone.written, below, cell);
+                        let (new, result) = match action {
+                            Action::Read(_) => (None, old()?),
+                            Action::Write(value, _) => (Some(value), 0),
+                            Action::Update(update, _) => {
+                                let old = old()?;
+                                (Some(model::cut(update.apply(old), bits)), old)
+                            }
+                        };
+                        alone.written.extend(new.map(|new| (cell, new)));
+                        result
+                    }
+                };
+                node = forest.child(node, result);
+            }
         }
-        node
+        Some(alone)
     }
 }
 
-/// The words after the clear pass. It is one run, pixel after pixel, on words that are 0.
-fn clear(forest: &mut Forest<'_>, tasks: &[Task], numbering: &Numbering) -> Vec<Initial> {
-    let mut memory = Overlay { written: BTreeMap::new() };
-    for &task in tasks {
-        memory.run(forest, task, &|_| 0, numbering);
+/// A word's last value; `None` if nobody wrote it.
+fn latest(
+    written: &BTreeMap<u32, u64>,
+    below: &dyn Fn(u32) -> Option<u64>,
+    cell: u32,
+) -> Option<u64> {
+    written.get(&cell).copied().or_else(|| below(cell))
+}
+
+/// Who accessed which words.
+#[derive(Default)]
+struct Accesses(BTreeMap<u32, Accessed>);
+
+/// How a word was accessed.
+struct Accessed {
+    /// The last invocation that did.
+    by: usize,
+    /// Others did, too.
+    several: bool,
+    /// Some wrote it.
+    written: bool,
+}
+
+impl Accesses {
+    /// Add an access. Returns whether another invocation accesses the word, and one of them writes it.
+    fn meet(&mut self, invocation: usize, cell: u32, writes: bool) -> bool {
+        let new = Accessed { by: invocation, several: false, written: false };
+        let word = self.0.entry(cell).or_insert(new);
+        word.several |= word.by != invocation;
+        word.by = invocation;
+        word.written |= writes;
+        word.several && word.written
     }
-    let initial = |cell: u32| match memory.written.get(&cell) {
-        Some(&value) => Initial::Written(value),
-        None => Initial::Unwritten,
-    };
-    (0..numbering.count() as u32).map(initial).collect()
 }

@@ -255,6 +255,7 @@ impl<'a> Search<'a> {
             return;
         }
         if self.machine.is_sequential()
+            && self.machine.is_in_passes()
             && let Err(message) = self.machine.invariant(Moment::Always)
         {
             self.violation(Property::Invariant, id, None, || message);
@@ -327,7 +328,9 @@ impl<'a> Search<'a> {
             return;
         }
         self.finals.push(id);
-        if let Err(message) = self.machine.invariant(Moment::Quiet) {
+        if self.machine.is_in_passes()
+            && let Err(message) = self.machine.invariant(Moment::Quiet)
+        {
             self.violation(Property::Invariant, id, None, || message);
         }
         let end = self.machine.finish(nodes);

@@ -334,8 +334,31 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding
         let survey = Survey::new(subject, &family, Conditions { memory, warp: None }, limits);
         rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
     }
+    inherit(&mut rows);
     rows.extend(termination(subject, plan, limits));
     rows
+}
+
+/// Every sequentially consistent execution is also one of relaxed memory: what is violated there is violated here, and
+/// the same schedule shows it.
+fn inherit(rows: &mut [Finding]) {
+    let violated = |row: &&Finding| row.verdict == Verdict::Violated;
+    let sequential = MemoryModel::Sequential.name();
+    let (strong, weak): (Vec<&mut Finding>, Vec<&mut Finding>) =
+        rows.iter_mut().partition(|row| row.memory == sequential);
+    let strong: Vec<&Finding> = strong.iter().map(|row| &**row).filter(violated).collect();
+    for row in weak.into_iter().filter(|row| row.verdict != Verdict::Violated) {
+        let Some(known) = strong.iter().find(|known| known.property == row.property) else {
+            continue;
+        };
+        *row = Finding {
+            bound: std::mem::take(&mut row.bound),
+            memory: std::mem::take(&mut row.memory),
+            profile: row.profile.take(),
+            message: format!("as under {sequential}: {}", known.message),
+            ..(*known).clone()
+        };
+    }
 }
 
 /// Whether every invocation ends: one row per progress model, and one for a warp whose lanes reconverge.
