@@ -21,7 +21,7 @@ pub use program::{Case, Conditions, Family, Final, Litmus, Subject};
 pub use replay::token::Token;
 pub use sample::{Executions, cut, sampled};
 pub use search::{Explored, Found, Limits, Progress, Property, explore};
-pub use verdict::check::{Survey, check, properties, termination};
+pub use verdict::check::{Survey, check, inherit, properties, termination};
 pub use verdict::plan::Plan;
 pub use verdict::{Finding, Verdict};
 

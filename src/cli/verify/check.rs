@@ -14,7 +14,7 @@ use crate::explore::verdict::expect::{self, Expectation};
 use crate::explore::verdict::matrix;
 use crate::explore::{
     Conditions, Executions, Finding, Limits, MemoryModel, Plan, Profile, Progress, Subject, Survey,
-    check, cut, properties, sampled,
+    check, cut, inherit, properties, sampled,
 };
 use crate::render::{Exec, Options, Policy, Sim};
 use crate::report::{json, verdicts};
@@ -235,6 +235,7 @@ fn on_scene(
         let survey = sampled(subject, &litmus, conditions, args.executions, limits)?;
         rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
     }
+    inherit(&mut rows);
     Ok(rows)
 }
 

@@ -1,7 +1,7 @@
 //! An instance made ready to run: its invocations' trees, its memory after the clear pass, and what one move does.
 //!
 //! The stages that are explored are those of the method's course. Clear and resolve are left out where nothing depends
-//! on it: where no two of their invocations can meet, and none reads a word that nobody wrote ([`Alone`]). Whether
+//! on it: where no two of their invocations meet, and none reads a word that nobody wrote ([`alone`](super::alone)). Whether
 //! clear is left out depends on the instance alone, and for resolve it is decided at every end. Stages have equally
 //! many invocations: the missing ones have nothing to do. A move is one operation of one invocation (or leaving a
 //! block), with the local computation after it. When all of a stage have ended, the next one begins in the same move.
@@ -29,15 +29,12 @@
 //!
 //! Why it is sound: by 1 a search may keep one of equal states. Other invocations see nothing of local computation,
 //! so that no result is lost if it comes with the operation before it. A barrier comes after all of one stage and
-//! before all of the next, so that it needs no move of its own. Invocations that ran one after another and did not
-//! meet do in every other order what they did in this one, by induction over the operations of that order: each reads
-//! what it wrote itself, or what was there before the stage. So the words that they accessed in this order are those
-//! that they access in any.
+//! before all of the next, so that it needs no move of its own. Why clear and resolve may be left out: [`alone`](super::alone).
 //!
 //! Left out: a barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
 //! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
 //! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end.
-//! A task that is left out is cut off after [`Alone::MOST_STEPS`], and nothing reports it. The method's invariant is
+//! A task that is left out is cut off after [`MOST_STEPS`](super::alone::MOST_STEPS), and nothing reports it. The method's invariant is
 //! looked at while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block
 //! together, only the one that moves is asked for faults.
 //!
@@ -48,6 +45,7 @@
 
 use std::collections::BTreeMap;
 
+use super::alone::Alone;
 use super::case::Case;
 use super::forest::{Fault, Forest, NodeId, Step};
 use super::litmus::{Litmus, Stage};
@@ -93,6 +91,8 @@ pub(in crate::explore) struct Machine<'a> {
     before: usize,
     /// The first stage that is explored clears, and does nothing else.
     clears: bool,
+    /// Clear and resolve are left out where that may be.
+    leaves_out: bool,
     conditions: Conditions,
     /// The memory of the loaded state.
     model: Box<dyn Model>,
@@ -159,6 +159,16 @@ pub struct Final {
 impl<'a> Machine<'a> {
     /// A machine in its first state. With `progress`, states say which invocations have moved.
     pub(in crate::explore) fn new(case: &'a Case, conditions: Conditions, progress: bool) -> Self {
+        Self::with(case, conditions, progress, true)
+    }
+
+    /// A machine whose clear and resolve are explored even where their order cannot matter.
+    #[cfg(test)]
+    pub(in crate::explore) fn whole(case: &'a Case, conditions: Conditions) -> Self {
+        Self::with(case, conditions, false, false)
+    }
+
+    fn with(case: &'a Case, conditions: Conditions, progress: bool, leaves_out: bool) -> Self {
         let Case { contract, instance, numbering, litmus, .. } = case;
         let course = Course::of(&contract.program);
         let mut stages = litmus.stages(contract, &course, |pass| instance.invocations(pass));
@@ -169,7 +179,8 @@ impl<'a> Machine<'a> {
         let mut forest = Forest::new(case, conditions.warp.is_some());
         let mut cleared = BTreeMap::new();
         let mut before = 0;
-        if clears
+        if leaves_out
+            && clears
             && let Some(alone) = Alone::run(&mut forest, &stages[0].tasks, &|_| None, numbering)
         {
             cleared = alone.written;
@@ -200,6 +211,7 @@ impl<'a> Machine<'a> {
             course,
             before,
             clears,
+            leaves_out,
             conditions,
             model,
             resolves: resolves.then_some(stages.len() as u32 - 1),
@@ -249,8 +261,9 @@ impl<'a> Machine<'a> {
             let here = course::At { stage: at.stage as usize + self.before, round: at.round };
             let next = self.explored(self.course.after(here, false));
             let resolves = next.is_some_and(|next| Some(next.stage) == self.resolves);
+            let alone = self.resolve_alone();
             if let Some(next) = next
-                && !(resolves && self.resolve_alone().is_some())
+                && alone.is_none()
             {
                 let mut results = at.results;
                 if resolves {
@@ -266,7 +279,8 @@ impl<'a> Machine<'a> {
             if !self.contract.program.repeats {
                 break;
             }
-            let (mut end, written, again) = self.resolved(&state[..self.width]);
+            let written = alone.as_ref().map(|alone| alone.written.clone()).unwrap_or_default();
+            let (mut end, again) = self.resolved(&state[..self.width], alone);
             let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
             let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
             if at.round == MOST_ROUNDS {
@@ -496,7 +510,8 @@ impl<'a> Machine<'a> {
 
     /// How the loaded state ends, all invocations having ended: the lists after resolve.
     pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Final {
-        let (mut end, ..) = self.resolved(nodes);
+        let alone = self.resolve_alone();
+        let (mut end, _) = self.resolved(nodes, alone);
         end.pixels.iter_mut().for_each(Held::sort);
         end
     }
@@ -515,26 +530,25 @@ impl<'a> Machine<'a> {
         (found, again)
     }
 
-    /// The same after resolve, with the lists in any order, and what a resolve that was left out wrote.
-    fn resolved(&mut self, nodes: &[NodeId]) -> (Final, BTreeMap<u32, u64>, bool) {
+    /// The same after resolve, with the lists in any order.
+    fn resolved(&self, nodes: &[NodeId], alone: Option<Alone>) -> (Final, bool) {
         let (mut found, mut again) = self.reported(nodes);
-        let left_out = self.resolves.is_some_and(|resolves| resolves != self.at.stage);
-        let Some(alone) = left_out.then(|| self.resolve_alone()).flatten() else {
-            return (found, BTreeMap::new(), again);
-        };
-        for ended in &alone.ends {
-            again |= found.add(ended);
+        for ended in alone.into_iter().flat_map(|alone| alone.ends) {
+            again |= found.add(&ended);
         }
-        (found, alone.written, again)
+        (found, again)
     }
 
-    /// Resolve one pixel after another, behind a barrier: everything that was written is seen, and the model stays as
-    /// it is. `None` if the order may matter.
+    /// Resolve one pixel after another, if resolve is next and the order cannot matter. It is behind a barrier:
+    /// everything that was written is seen. The model stays as it is.
     fn resolve_alone(&mut self) -> Option<Alone> {
-        let tasks = self.stages[self.resolves? as usize].tasks.clone();
+        let resolves = self.resolves.filter(|&resolves| resolves == self.at.stage + 1)?;
+        if !self.leaves_out {
+            return None;
+        }
+        let tasks = self.stages[resolves as usize].tasks.clone();
         let model = &self.model;
-        let below = |cell| model.settled(cell);
-        Alone::run(&mut self.forest, &tasks, &below, &self.case.numbering)
+        Alone::run(&mut self.forest, &tasks, &|cell| model.settled(cell), &self.case.numbering)
     }
 }
 
@@ -564,97 +578,4 @@ fn growing(layout: &Layout, numbering: &Numbering) -> Vec<bool> {
         at.pixel.is_none() && layout.growing().iter().any(fits)
     };
     (0..numbering.count() as u32).map(grows).collect()
-}
-
-/// Invocations of one stage that ran one after another, and did not meet: no two of them accessed one word which one of
-/// them wrote, and none read a word that nobody had written. So any other order, under any memory model, has the same
-/// results.
-struct Alone {
-    /// By number, the last value written.
-    written: BTreeMap<u32, u64>,
-    /// How they ended.
-    ends: Vec<Ended>,
-}
-
-impl Alone {
-    /// The most operations of one such invocation: a list that is a ring must not hold us up. One that is cut off has
-    /// no outcome: a pixel then holds nothing.
-    const MOST_STEPS: usize = 4_096;
-
-    /// Run tasks on words that `below` has where none was written; `None` if they meet.
-    fn run(
-        forest: &mut Forest<'_>,
-        tasks: &[Task],
-        below: &dyn Fn(u32) -> Option<u64>,
-        numbering: &Numbering,
-    ) -> Option<Self> {
-        let mut alone = Self { written: BTreeMap::new(), ends: Vec::new() };
-        let mut seen = Accesses::default();
-        for (invocation, &task) in tasks.iter().enumerate() {
-            let mut node = forest.root(task);
-            for _ in 0..Self::MOST_STEPS {
-                let result = match forest.node(node).step {
-                    Step::Ended(end) => {
-                        alone.ends.push(forest.ended(end).clone());
-                        break;
-                    }
-                    Step::Merge | Step::Operation(Numbering::OUTSIDE, _) => 0,
-                    Step::Operation(cell, action) => {
-                        if seen.meet(invocation, cell, !matches!(action, Action::Read(_))) {
-                            return None;
-                        }
-                        let bits = numbering.address(cell).bits;
-                        let old = || latest(&alone.written, below, cell);
-                        let (new, result) = match action {
-                            Action::Read(_) => (None, old()?),
-                            Action::Write(value, _) => (Some(value), 0),
-                            Action::Update(update, _) => {
-                                let old = old()?;
-                                (Some(model::cut(update.apply(old), bits)), old)
-                            }
-                        };
-                        alone.written.extend(new.map(|new| (cell, new)));
-                        result
-                    }
-                };
-                node = forest.child(node, result);
-            }
-        }
-        Some(alone)
-    }
-}
-
-/// A word's last value; `None` if nobody wrote it.
-fn latest(
-    written: &BTreeMap<u32, u64>,
-    below: &dyn Fn(u32) -> Option<u64>,
-    cell: u32,
-) -> Option<u64> {
-    written.get(&cell).copied().or_else(|| below(cell))
-}
-
-/// Who accessed which words.
-#[derive(Default)]
-struct Accesses(BTreeMap<u32, Accessed>);
-
-/// How a word was accessed.
-struct Accessed {
-    /// The last invocation that did.
-    by: usize,
-    /// Others did, too.
-    several: bool,
-    /// Some wrote it.
-    written: bool,
-}
-
-impl Accesses {
-    /// Add an access. Returns whether another invocation accesses the word, and one of them writes it.
-    fn meet(&mut self, invocation: usize, cell: u32, writes: bool) -> bool {
-        let new = Accessed { by: invocation, several: false, written: false };
-        let word = self.0.entry(cell).or_insert(new);
-        word.several |= word.by != invocation;
-        word.by = invocation;
-        word.written |= writes;
-        word.several && word.written
-    }
 }

@@ -2,8 +2,10 @@
 //!
 //! A [`litmus`] pixel defines the invocations; a `case` is a litmus pixel with a method's words. Its invocations are
 //! replayed from their answers, and each place where one can be is kept once in a `forest`. The `machine` combines
-//! forest and memory: a state, the moves from it, and where each move leads. A [`schedule`] is a list of moves.
+//! forest and memory: a state, the moves from it, and where each move leads. What clears or resolves runs `alone`
+//! where its order cannot matter. A [`schedule`] is a list of moves.
 
+mod alone;
 pub(super) mod case;
 pub(super) mod forest;
 pub mod instances;

@@ -1,6 +1,7 @@
 //! Searching a machine's states: for results that break a `property`, and for invocations that never end.
 
 pub(super) mod exhaustive;
+pub(super) mod graph;
 pub mod progress;
 pub(super) mod property;
 pub(super) mod space;

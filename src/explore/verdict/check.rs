@@ -341,7 +341,7 @@ pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding
 
 /// Every sequentially consistent execution is also one of relaxed memory: what is violated there is violated here, and
 /// the same schedule shows it.
-fn inherit(rows: &mut [Finding]) {
+pub fn inherit(rows: &mut [Finding]) {
     let violated = |row: &&Finding| row.verdict == Verdict::Violated;
     let sequential = MemoryModel::Sequential.name();
     let (strong, weak): (Vec<&mut Finding>, Vec<&mut Finding>) =
