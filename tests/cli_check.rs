@@ -20,13 +20,23 @@ fn a_correct_method_is_verified_with_its_bound() {
     let (code, rows) = rows(&dir, "check kplus-array -n 3");
     assert_eq!(code, 0, "{rows:?}");
     assert!(rows.len() > 12);
-    for row in &rows {
+    let (sampled, rows) = rows.split_last().unwrap();
+    assert_eq!((&sampled["verdict"], &sampled["executions"]), (&"sampled".into(), &400.into()));
+    assert_eq!(
+        (&sampled["exhaustive"], &sampled["scope"]["random_runs"]),
+        (&false.into(), &400.into())
+    );
+    for row in rows {
         assert_eq!(
             (&row["verdict"], &row["exhaustive"]),
             (&"verified".into(), &true.into()),
             "{row}"
         );
         assert!(row["bound"].as_str().unwrap().contains("n <= 3"), "{row}");
+        let scope = &row["scope"];
+        assert_eq!((&scope["interleavings"], &scope["fragments"]), (&"all".into(), &3.into()));
+        assert_eq!((&scope["pixels"], &scope["initial"]), (&3.into(), &3.into()));
+        assert_eq!(scope["ks"], serde_json::json!([1, 2, 3]));
         for field in ["method", "property", "memory", "instance", "initial", "states", "message"] {
             assert!(!row[field].is_null(), "{field} of {row}");
         }
@@ -218,7 +228,8 @@ fn bad_input_is_one_line() {
 #[test]
 fn a_bound_that_is_hit_is_unknown() {
     let dir = Dir::new();
-    let (code, found) = rows(&dir, "check kplus-array -n 4 --max-states 200 --progress obe");
+    let (code, found) =
+        rows(&dir, "check kplus-array -n 4 --max-states 200 --progress obe --runs 0");
     assert_eq!(code, 0);
     assert!(found.iter().all(|row| row["verdict"] == "unknown" && row["exhaustive"] == false));
 }

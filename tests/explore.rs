@@ -15,8 +15,9 @@ use std::collections::BTreeSet;
 
 use fragloom::catalogue::faults::MUTATIONS;
 use fragloom::catalogue::{self, Catalogue};
+use fragloom::explore::program::controls::CONTROLS;
 use fragloom::explore::verdict::claims::claim_by_id;
-use fragloom::explore::verdict::matrix::{Fate, Line, matrix};
+use fragloom::explore::verdict::matrix::{Fate, Kill, Line, matrix};
 use fragloom::explore::{
     Conditions, Family, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property,
     Subject, Survey, Token, Verdict, check, cut, explore, properties, replay,
@@ -407,14 +408,17 @@ fn every_fault_is_killed_and_every_control_is_green() {
     assert!(wrong.is_empty(), "{wrong:?}");
     let of = |mutation: &str| lines.iter().filter(|l| l.mutation == mutation).collect::<Vec<_>>();
     assert!(of("control").len() >= 4 && of("control").iter().all(|l| l.fate == Fate::Green));
-    for mutation in MUTATIONS {
+    for mutation in MUTATIONS.iter().chain(CONTROLS) {
         let methods: Vec<&str> = of(mutation.id).iter().map(|l| l.method.as_str()).collect();
         assert_eq!(methods, mutation.variants, "{}", mutation.id);
     }
     for line in lines.iter().filter(|l| l.mutation != "control") {
         let expected = if line.method == "ab-ll@M11" { Fate::Equivalent } else { Fate::Killed };
         assert_eq!(line.fate, expected, "{line:?}");
-        assert!(line.kills.iter().all(|kill| kill.token.is_some()), "{line:?}");
+        // What does not end, or does not do the same again, has no schedule.
+        let shown =
+            |kill: &Kill| kill.token.is_some() || ["endless", "repeats"].contains(&kill.property);
+        assert!(line.kills.iter().all(shown), "{line:?}");
     }
 }
 
@@ -422,7 +426,9 @@ fn every_fault_is_killed_and_every_control_is_green() {
 #[test]
 fn the_example_is_verified_and_its_broken_twin_is_not() {
     let rows = check(&Subject::of::<CasList<false>>(), &Plan::default(), &LIMITS);
-    for row in &rows {
+    let (sampled, rows) = rows.split_last().expect("rows");
+    assert_eq!(sampled.verdict, Verdict::Sampled, "{sampled:?}");
+    for row in rows {
         assert_eq!(row.verdict, Verdict::Verified, "{row:?}");
     }
     assert!(rows.iter().any(|row| row.progress.as_deref() == Some("simt")));
@@ -470,19 +476,19 @@ fn is_all_unknown(rows: &[Finding], words: &str) {
 
 #[test]
 fn a_bound_that_is_hit_is_no_verdict() {
-    let plan = Plan { progress: Some(Progress::ALL.to_vec()), ..plan(Some(2)) };
+    let plan = Plan { progress: Some(Progress::ALL.to_vec()), runs: 0, ..plan(Some(2)) };
     let kplus = subject("kplus-array");
     let few = Limits { states: 10, cancelled: &|| false };
-    is_all_unknown(&check(&kplus, &plan, &few), "a bound was hit");
+    is_all_unknown(&check(&kplus, &plan, &few), "raise --max-states");
     let enough = Limits { states: 5_000_000, cancelled: &|| true };
-    is_all_unknown(&check(&kplus, &plan, &enough), "a bound was hit");
+    is_all_unknown(&check(&kplus, &plan, &enough), "interrupted");
     for id in ["C1", "C4"] {
         let only = ["kplus-array".to_owned()];
         let rows = claim_by_id(id)
             .expect("a claim")
             .check(&Catalogue::built_in(), &only, &plan, &few)
             .expect("rows");
-        is_all_unknown(&rows, "a bound was hit");
+        is_all_unknown(&rows, "raise --max-states");
     }
     let few = Limits { states: 2, cancelled: &|| false };
     for line in matrix(&Catalogue::built_in(), None, &plan, &few).expect("the matrix") {
@@ -497,12 +503,16 @@ fn an_operation_that_nothing_reaches_is_named() {
     let rows = check(&Subject::of::<Unreached>(), &plan(Some(3)), &LIMITS);
     let source = include_str!("support/unreached.rs");
     let line = 1 + source.lines().position(|l| l.contains("mem.exchange(")).expect("the line");
-    let of_properties = rows.iter().filter(|row| row.progress.is_none());
-    let message = format!("never reached: exchange in line {line}");
+    let place = format!("relaxed exchange 0 at tests/support/unreached.rs:{line}:");
+    let (random, rows) = rows.split_last().expect("rows");
     let mut count = 0;
-    for row in of_properties {
-        assert_eq!((row.verdict, &row.message), (Verdict::Unknown, &message), "{row:?}");
+    for row in rows.iter().filter(|row| row.progress.is_none()) {
+        assert_eq!(row.verdict, Verdict::Unknown, "{row:?}");
+        assert!(row.message.contains(&place) && row.message.contains("raise -n or -k"), "{row:?}");
         count += 1;
     }
     assert!(count > 20, "{count} rows");
+    // Random runs got there, and saw what it does.
+    assert_eq!(random.verdict, Verdict::Violated, "{random:?}");
+    assert!(random.instance.contains(" 3039/"), "{random:?}");
 }

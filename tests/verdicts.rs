@@ -140,13 +140,13 @@ fn mistakes_of_clear_and_resolve_are_found_and_replayed() {
 /// fragments, with its token.
 #[test]
 fn a_violation_is_one_under_weaker_memory_too() {
-    let method = fragloom::catalogue::method("ha64@no-depth").expect("a built-in fault");
+    let method = fragloom::catalogue::method("ha64-cull@published").expect("it is built in");
     let subject = Subject::new(method).expect("a scheme");
-    let plan = Plan { progress: Some(Vec::new()), simt: false, ..Plan::default() };
+    let plan = Plan { progress: Some(Vec::new()), simt: false, runs: 0, ..Plan::default() };
     let rows = check(&subject, &plan, &LIMITS);
     let of = |memory: &str| {
         let mut own = rows.iter().filter(|row| row.memory == memory);
-        own.find(|row| row.property.as_deref() == Some("invariant")).expect("a row")
+        own.find(|row| row.property.as_deref() == Some("keeps")).expect("a row")
     };
     let [sequential, relaxed] = [of("sc"), of("relaxed")];
     assert_eq!(sequential.verdict, Verdict::Violated);

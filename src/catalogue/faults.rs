@@ -18,7 +18,7 @@ pub struct Mutation {
     pub absent: Option<&'static str>,
 }
 
-const fn built_in(
+pub(crate) const fn built_in(
     id: &'static str,
     text: &'static str,
     variants: &'static [&'static str],

@@ -20,9 +20,9 @@ pub use memory::{MemoryModel, Profile};
 pub use program::{Case, Conditions, Family, Final, Litmus, Subject};
 pub use replay::token::Token;
 pub use sample::{Executions, cut, sampled};
-pub use search::{Explored, Found, Limits, Progress, Property, explore};
+pub use search::{Explored, Found, Limits, Progress, Property, Stopped, explore};
 pub use verdict::check::{Survey, check, inherit, properties, termination};
 pub use verdict::plan::Plan;
-pub use verdict::{Finding, Verdict};
+pub use verdict::{Finding, Scope, Verdict};
 
 pub use crate::scheme::task::{Ended, Task};

@@ -73,6 +73,11 @@ pub struct Asked<'a> {
     /// What the invocation has reported to be counted since the last call of `take_noted`.
     noted: RefCell<Vec<Event>>,
     lanes: bool,
+    /// Calls since the last answer that asked nothing, and how many there may be.
+    idle: Cell<u32>,
+    patience: u32,
+    /// Where the last of them was, if there were too many.
+    endless: Cell<Option<Site>>,
 }
 
 /// A place in an invocation, and what it depends on from there on.
@@ -99,6 +104,31 @@ impl<'a> Asked<'a> {
             here: RefCell::default(),
             noted: RefCell::default(),
             lanes,
+            idle: Cell::new(0),
+            patience: u32::MAX,
+            endless: Cell::new(None),
+        }
+    }
+
+    /// The same, for an invocation that may be faulty: one that makes this many calls without asking anything panics,
+    /// and [`Self::endless`] says where.
+    #[must_use]
+    pub fn with_patience(self, calls: u32) -> Self {
+        Self { patience: calls, ..self }
+    }
+
+    /// The call at which the invocation was stopped, if it goes on for ever without asking anything.
+    #[must_use]
+    pub fn endless(&self) -> Option<Site> {
+        self.endless.get()
+    }
+
+    /// Count a call that asks nothing.
+    fn idles(&self, site: Site) {
+        self.idle.set(self.idle.get() + 1);
+        if self.idle.get() > self.patience {
+            self.endless.set(Some(site));
+            panic!("a loop at {site} neither ends nor accesses memory");
         }
     }
 
@@ -164,6 +194,7 @@ impl<T> Future for Question<'_, T> {
         let asked = self.asked;
         if let Some(answer) = asked.answer.take() {
             asked.answered.set(asked.answered.get() + 1);
+            asked.idle.set(0);
             return Poll::Ready((self.read)(answer));
         }
         asked.request.set(Some(self.request));
@@ -201,7 +232,9 @@ impl Memory for Asked<'_> {
         self.ask(Request::Operation { at, action, site: Location::caller() }, W::from_u64)
     }
 
+    #[track_caller]
     fn input(&self, at: InputAt) -> u32 {
+        self.idles(Location::caller());
         self.note(Event::Input);
         self.inputs.get(at)
     }
@@ -220,12 +253,14 @@ impl Memory for Asked<'_> {
 
     fn here(&self, live: &[u64]) {
         let site = Location::caller();
+        self.idles(site);
         let here = Here { site: (site.file(), site.line(), site.column()), live: live.to_vec() };
         *self.here.borrow_mut() = Some((self.answered.get(), here));
     }
 
     fn block(&self) -> Block {
         let site = Location::caller();
+        self.idles(site);
         let (mut blocks, mut opened) = (self.blocks.borrow_mut(), self.opened.borrow_mut());
         let depth = blocks.len();
         blocks.push(OpenBlock { site, ordinal: opened[depth] });
@@ -260,6 +295,8 @@ impl Future for Merge<'_> {
             if Pin::new(&mut question).poll(context).is_pending() {
                 return Poll::Pending;
             }
+        } else {
+            self.asked.idles(self.site);
         }
         self.asked.blocks.borrow_mut().truncate(depth);
         self.asked.opened.borrow_mut().truncate(depth + 1);

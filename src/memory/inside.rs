@@ -63,6 +63,7 @@ impl<M: Memory, T> Memory for Inside<'_, M, T> {
     }
 
     #[inline(always)]
+    #[track_caller]
     fn input(&self, at: InputAt) -> u32 {
         self.mem.input(at)
     }

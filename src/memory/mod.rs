@@ -190,6 +190,7 @@ pub trait Memory {
 
     /// Read a word of an input. It is not an operation: no invocation writes an input, so the order of reads cannot be
     /// observed.
+    #[track_caller]
     fn input(&self, at: InputAt) -> u32;
 
     /// Say that this invocation waits for another one and is about to try again from `mark`.

@@ -98,7 +98,7 @@ pub fn outcomes(rows: &[Finding]) -> String {
 /// The kill matrix.
 #[must_use]
 pub fn matrix(lines: &[Line]) -> String {
-    const CHECKS: [&str; 5] = ["sc", "progress", "simt", "relaxed", "race"];
+    const CHECKS: [&str; 6] = ["sc", "progress", "simt", "relaxed", "race", "random"];
     let mut heading = vec!["fault".to_owned(), "method".to_owned(), "fate".to_owned()];
     heading.extend(CHECKS.map(str::to_owned));
     let mut cells = vec![heading];
@@ -110,7 +110,7 @@ pub fn matrix(lines: &[Line]) -> String {
         }));
         cells.push(row);
     }
-    let mut text = columns(&[Align::Left; 8], &cells);
+    let mut text = columns(&[Align::Left; 9], &cells);
     text += "\na kill: the property, the steps of a shortest schedule, and the executions (or states) of its instance\n";
     if let Some(line) = lines.first() {
         let _ = writeln!(text, "explored where nothing was found earlier: {}", line.bound);

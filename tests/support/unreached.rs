@@ -19,7 +19,6 @@ impl Scheme for Unreached {
         overflow: Overflow::Drops("the farther one is dropped"),
         needs: "64-bit atomic minimum",
         max_k: 1,
-        source: include_str!("unreached.rs"),
         ..Contract::new("unreached", Keeps::One)
     };
 

@@ -4,6 +4,7 @@ use crate::catalogue::faults::{MUTATIONS, Mutation};
 use crate::cli::Verdict;
 use crate::cli::terminal::say;
 use crate::error::Result;
+use crate::explore::program::controls::CONTROLS;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 
@@ -19,7 +20,8 @@ pub(in crate::cli) struct Args {
 /// # Errors
 /// stdout cannot be written.
 pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
-    let text = if args.json { json::document(&MUTATIONS)? } else { table(MUTATIONS) };
+    let all = [MUTATIONS, CONTROLS].concat();
+    let text = if args.json { json::document(&all)? } else { table(&all) };
     say::result(&text)?;
     Ok(Verdict::Clean)
 }
@@ -30,7 +32,9 @@ fn table(mutations: &[Mutation]) -> String {
     for mutation in mutations {
         rows.push(vec![mutation.id.to_owned(), mutation.text.to_owned()]);
         let absent = mutation.absent.map(|why| format!("none: {why}"));
-        let below = mutation.variants.iter().map(|name| format!("-m {name}")).chain(absent);
+        let is_drawn = MUTATIONS.iter().any(|known| known.id == mutation.id);
+        let how = if is_drawn { "-m" } else { "check" };
+        let below = mutation.variants.iter().map(|name| format!("{how} {name}")).chain(absent);
         rows.extend(below.map(|line| vec![String::new(), format!("  {line}")]));
     }
     columns(&[Align::Left, Align::Left], &rows)

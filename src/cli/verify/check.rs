@@ -9,12 +9,13 @@ use crate::cli::options::values;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::explore::program::controls;
 use crate::explore::verdict::claims::claim_by_id;
 use crate::explore::verdict::expect::{self, Expectation};
 use crate::explore::verdict::matrix;
 use crate::explore::{
     Conditions, Executions, Finding, Limits, MemoryModel, Plan, Profile, Progress, Subject, Survey,
-    check, cut, inherit, properties, sampled,
+    check, cut, inherit, sampled,
 };
 use crate::render::{Exec, Options, Policy, Sim};
 use crate::report::{json, verdicts};
@@ -105,7 +106,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "POLICY", default_value = "random")]
     schedule: String,
 
-    /// With --scene, the seed of the first execution, 64 bits
+    /// Random runs of random instances with up to 200 fragments, beside the litmus pixels; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 400, allow_negative_numbers = true)]
+    runs: u64,
+
+    /// The seed of the first random run or, with --scene, of the first execution, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
@@ -200,7 +205,7 @@ fn subjects(catalogue: &Catalogue, args: &Args, needed: bool) -> Result<Vec<Subj
         let problem = "is missing: name a method (see `fragloom methods`), or give --all, --claim or --mutations";
         return Err(Error::new("METHOD", problem));
     }
-    args.methods.iter().map(|name| Subject::new(catalogue.find("METHOD", name)?)).collect()
+    args.methods.iter().map(|name| controls::find(catalogue, "METHOD", name)).collect()
 }
 
 fn on_scene(
@@ -233,7 +238,7 @@ fn on_scene(
     for &memory in &plan.memory {
         let conditions = Conditions { memory, warp: None };
         let survey = sampled(subject, &litmus, conditions, args.executions, limits)?;
-        rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
+        rows.extend(survey.rows());
     }
     inherit(&mut rows);
     Ok(rows)
@@ -303,7 +308,14 @@ fn plan(args: &Args) -> Result<Plan> {
     if args.memory_model.as_deref() != Some("sc") {
         memory.extend(profiles.into_iter().map(MemoryModel::Relaxed));
     }
-    let mut plan = Plan { fragments: args.n, memory, helpers: args.helpers, ..Plan::default() };
+    let mut plan = Plan {
+        fragments: args.n,
+        memory,
+        helpers: args.helpers,
+        runs: args.runs,
+        seed: args.seed,
+        ..Plan::default()
+    };
     if let Some(k) = args.k {
         plan.ks = vec![k];
     }

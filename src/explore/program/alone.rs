@@ -7,15 +7,14 @@
 
 use std::collections::BTreeMap;
 
-use super::forest::{Forest, Step};
+use super::forest::{Forest, NodeId, Step};
 use crate::explore::memory::model::cut;
 use crate::memory::Numbering;
 use crate::memory::asked::Action;
 use crate::scheme::task::{Ended, Task};
 
-/// The most operations of an invocation that runs alone: a list that is a ring must not hold us up. One that is cut off
-/// has no outcome: a pixel then holds nothing.
-pub(super) const MOST_STEPS: usize = 4_096;
+/// The most steps of an invocation that runs alone: more only if it waits, and that is for the search to see.
+const MOST_STEPS: usize = 1 << 20;
 
 /// Invocations of one stage that ran one after another, and did not meet.
 #[derive(Default)]
@@ -24,11 +23,14 @@ pub(super) struct Alone {
     pub(super) written: BTreeMap<u32, u64>,
     /// How they ended.
     pub(super) ends: Vec<Ended>,
+    /// Where one of them was cut off, if it was: a list that is a ring must not hold us up.
+    pub(super) endless: Option<NodeId>,
 }
 
 impl Alone {
     /// Run tasks on words that have the values of `below` where none was written. `None` if the order may matter: two
-    /// of them meet, or one reads what nobody wrote; or if one leaves its words, which is for the search to see.
+    /// of them meet, or one reads what nobody wrote; or if one leaves its words, panics or waits: that is for the
+    /// search to see.
     pub(super) fn run(
         forest: &mut Forest<'_>,
         tasks: &[Task],
@@ -39,14 +41,20 @@ impl Alone {
         let mut accesses = Accesses::default();
         for (invocation, &task) in tasks.iter().enumerate() {
             let mut node = forest.root(task);
-            for _ in 0..MOST_STEPS {
+            let mut left = MOST_STEPS;
+            loop {
+                left = left.checked_sub(1)?;
                 let result = match forest.node(node).step {
                     Step::Ended(end) => {
                         alone.ends.push(forest.ended(end).clone());
                         break;
                     }
+                    Step::Endless => {
+                        alone.endless = Some(node);
+                        break;
+                    }
                     Step::Merge => 0,
-                    Step::Operation(Numbering::OUTSIDE, _) => return None,
+                    Step::Panics(_) | Step::Operation(Numbering::OUTSIDE, _) => return None,
                     Step::Operation(cell, action) => {
                         if accesses.meet(invocation, cell, !matches!(action, Action::Read(_))) {
                             return None;

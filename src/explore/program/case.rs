@@ -2,12 +2,14 @@
 
 use std::task::{Context, Poll, Waker};
 
+use super::guard::guarded;
 use super::litmus::Litmus;
 use super::subject::Subject;
 use crate::exec::promise::Promise;
 use crate::exec::{Instance, Method};
 use crate::memory::asked::{Asked, Here, OpenBlock, Request, Site};
 use crate::memory::{Inputs, Numbering};
+use crate::scheme::course::Course;
 use crate::scheme::task::{Ended, Task};
 use crate::scheme::{Contract, Held};
 
@@ -43,6 +45,14 @@ impl Case {
         promise.pixel(pixel, &litmus.generated(pixel))
     }
 
+    /// The most invocations that run at the same time.
+    pub(in crate::explore) fn width(&self) -> usize {
+        let course = Course::of(&self.contract.program);
+        let stages =
+            self.litmus.stages(self.contract, &course, |pass| self.instance.invocations(pass));
+        stages.iter().map(|stage| stage.tasks.len()).max().unwrap_or(0)
+    }
+
     /// Where a fresh invocation is after these answers. With `lanes`, merges are questions too.
     pub(in crate::explore) fn follow(
         &self,
@@ -50,11 +60,29 @@ impl Case {
         answers: &[Answer],
         lanes: bool,
     ) -> Standing {
-        let mem = Asked::new(&self.inputs, lanes);
-        let next = follow(&*self.instance, &mem, task, answers);
+        self.follow_watched(task, answers, lanes, &mut |_, _| {})
+    }
+
+    /// The same; `watch` sees every question that is answered, by its number.
+    pub(in crate::explore) fn follow_watched(
+        &self,
+        task: Task,
+        answers: &[Answer],
+        lanes: bool,
+        watch: &mut dyn FnMut(usize, Request),
+    ) -> Standing {
+        let mem = Asked::new(&self.inputs, lanes).with_patience(PATIENCE);
+        let next = guarded(|| follow(&*self.instance, &mem, task, answers, watch));
+        let next = next.unwrap_or_else(|told| match mem.endless() {
+            Some(site) => Next::Endless(site),
+            None => Next::Panics(told),
+        });
         Standing { next, blocks: mem.blocks(), opened: mem.block_sites(), here: mem.here() }
     }
 }
+
+/// Calls that an invocation may make between two questions: looking at an input, opening and closing blocks.
+pub(in crate::explore) const PATIENCE: u32 = 100_000;
 
 /// An answer to an invocation's question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,23 +114,37 @@ pub(in crate::explore) enum Next {
     Back(u32, Site),
     /// Nothing.
     Ended(Ended),
+    /// A panic, with what it says.
+    Panics(String),
+    /// A loop that asks nothing, for ever.
+    Endless(Site),
 }
 
-fn follow(instance: &dyn Instance, mem: &Asked<'_>, task: Task, answers: &[Answer]) -> Next {
+fn follow(
+    instance: &dyn Instance,
+    mem: &Asked<'_>,
+    task: Task,
+    answers: &[Answer],
+    watch: &mut dyn FnMut(usize, Request),
+) -> Next {
     let mut invocation = instance.ask(mem, task);
     let mut context = Context::from_waker(Waker::noop());
-    let mut answers = answers.iter();
+    let mut answers = answers.iter().enumerate();
     loop {
         if let Poll::Ready(ended) = invocation.as_mut().poll(&mut context) {
-            debug_assert!(answers.next().is_none(), "more answers than questions");
             return Next::Ended(ended);
         }
         let Some(request) = mem.request() else {
             unreachable!("an invocation waits for this memory or for nothing")
         };
         match (request, answers.next()) {
-            (_, Some(Answer::Value(value))) => mem.answer(*value),
-            (_, Some(Answer::Again)) => mem.answer(0),
+            (request, Some((number, answer))) => {
+                watch(number, request);
+                match answer {
+                    Answer::Value(value) => mem.answer(*value),
+                    Answer::Again => mem.answer(0),
+                }
+            }
             (Request::Spin(mark, site), None) => return Next::Back(mark.0, site),
             (request, None) => return Next::Ask(request),
         }

@@ -31,11 +31,11 @@
 //! claims are true. A false claim may hide behaviour; the comparison is made on the answers that the search met, at
 //! the end of an exhaustive one.
 //!
-//! Left out: claims are not compared after a search for progress, nor beyond [`Forest::MOST_COMPARISONS`]; a count of
-//! attempts that shows only after [`Forest::ROUNDS`] of them is not seen; where a node below leads back, or to a node
+//! Left out: claims are not compared after a search for progress, nor beyond `MOST_COMPARISONS`; a count of
+//! attempts that shows only after `ROUNDS` of them is not seen; where a node below leads back, or to a node
 //! that was there, it is not compared that the other invocation gets there too. A wait goes back to its mark's
 //! `held`, whatever was locked since. Locks are the first 32 lock words, taken by an update from 0. A loop that
-//! neither waits nor says `here` is unrolled; if it has no end, only the bound of a search ends it.
+//! neither waits nor says `here` is unrolled, up to [`Litmus::most_operations`](super::litmus::Litmus::most_operations).
 //!
 //! Published: an invocation that is run again from its beginning, for want of a copy: Godefroid, "Model checking for
 //! programming languages using `VeriSoft`" (POPL 1997). Nodes with a question and a continuation for each answer are
@@ -43,6 +43,8 @@
 //! "State compression in SPIN" (SPIN 1997). A wait that says that it waits is the yield of Musuvathi and Qadeer,
 //! "Fair stateless model checking" (PLDI 2008); as an edge that leads back, it stays in the graph, so that an endless
 //! wait is a cycle.
+
+mod claims;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -54,9 +56,6 @@ use crate::scheme::task::{Ended, Task};
 /// Index of a node.
 pub(in crate::explore) type NodeId = u32;
 
-/// Nodes, and the answers that lead to each from a common node above.
-type Paths = Vec<(NodeId, Vec<Answer>)>;
-
 /// What an invocation does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::explore) enum Step {
@@ -66,6 +65,10 @@ pub(in crate::explore) enum Step {
     Merge,
     /// It has ended; index of the outcome.
     Ended(u32),
+    /// Panic; index of what it says.
+    Panics(u32),
+    /// It has done as much as is followed, and has not ended.
+    Endless,
 }
 
 /// A fault that taking this step commits, whatever memory holds.
@@ -81,6 +84,8 @@ pub(in crate::explore) enum Fault {
     WaitsForNothing,
     /// A word becomes smaller that only grows while fragments are stored.
     Shrinks,
+    /// The scheme's code panics.
+    Panics,
 }
 
 /// A place in a tree: the operations of `task` completed so far, with their results.
@@ -133,6 +138,10 @@ pub(in crate::explore) struct Forest<'a> {
     sites: BTreeSet<(&'static str, u32, u32)>,
     /// Where invocations wait outside of any block.
     bare_waits: BTreeSet<(&'static str, u32)>,
+    /// What panics say.
+    told: Vec<String>,
+    /// The most operations of an invocation.
+    most: usize,
 }
 
 impl<'a> Forest<'a> {
@@ -155,6 +164,8 @@ impl<'a> Forest<'a> {
             merges: Vec::new(),
             sites: BTreeSet::new(),
             bare_waits: BTreeSet::new(),
+            told: Vec::new(),
+            most: case.litmus.most_operations(),
         }
     }
 
@@ -184,6 +195,11 @@ impl<'a> Forest<'a> {
     /// An outcome by its index in [`Step::Ended`].
     pub(in crate::explore) fn ended(&self, end: u32) -> &Ended {
         &self.ends[end as usize].0
+    }
+
+    /// What a panic says, by its index in [`Step::Panics`].
+    pub(in crate::explore) fn told(&self, panic: u32) -> &str {
+        &self.told[panic as usize]
     }
 
     /// The open blocks of a node, outermost first.
@@ -232,6 +248,7 @@ impl<'a> Forest<'a> {
     /// one that it is.
     fn grow(&mut self, parent: Option<(NodeId, u64)>, task: u32) -> NodeId {
         let answers = self.answers(parent);
+        let last = parent.and_then(|(node, _)| self.node(node).site);
         let standing = self.case.follow(self.tasks[task as usize], &answers, self.lanes);
         for site in standing.opened {
             self.reached(site);
@@ -250,6 +267,12 @@ impl<'a> Forest<'a> {
                 Ok(known) => return known,
                 Err(new) => (Step::Ended(new), None),
             },
+            Next::Panics(told) => {
+                self.told.push(told);
+                (Step::Panics(self.told.len() as u32 - 1), None)
+            }
+            Next::Endless(site) => (Step::Endless, Some(site)),
+            Next::Ask(_) if answers.len() >= self.most => (Step::Endless, last),
             Next::Ask(Request::Operation { at, action, site }) => {
                 self.reached(site);
                 (Step::Operation(self.case.numbering.number(at), action), Some(site))
@@ -344,7 +367,8 @@ impl<'a> Forest<'a> {
             Step::Operation(cell, action) => (cell, action),
             Step::Merge if !self.lanes => return Some(Fault::WaitsForNothing),
             Step::Ended(_) => return (held != 0).then_some(Fault::KeepsLock),
-            Step::Merge => return None,
+            Step::Panics(_) => return Some(Fault::Panics),
+            Step::Merge | Step::Endless => return None,
         };
         if cell == Numbering::OUTSIDE {
             return Some(Fault::Outside);
@@ -369,154 +393,6 @@ impl<'a> Forest<'a> {
                 self.stacks.push(stack);
                 self.stacks.len() as u32 - 1
             }
-        }
-    }
-
-    /// How many comparisons [`Self::check_claims`] makes at most.
-    const MOST_COMPARISONS: usize = 20_000;
-
-    /// How often a wait is repeated, to find what counts its attempts.
-    const ROUNDS: usize = 16;
-
-    /// Follow every edge that a wait closed, or that was led to a node that was there, on the unmerged invocation,
-    /// through all that was explored below its target, and round and round the wait itself: what comes next must be
-    /// the same. The number of comparisons, and the first that failed.
-    ///
-    /// "Below" are the nodes whose chain has the target in it, and ends. Further edges to a node that was there are
-    /// claims of their own, and are compared from their own node, not from here. If there are too many comparisons,
-    /// the rest is left out silently.
-    pub(in crate::explore) fn check_claims(&self) -> std::result::Result<usize, String> {
-        let mut compared = 0;
-        let mut below: BTreeMap<NodeId, Paths> = BTreeMap::new();
-        for &(from, answer) in &self.claims {
-            let Some(&(_, target)) = self.node(from).children.iter().find(|c| c.0 == answer) else {
-                continue;
-            };
-            let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
-            // The invocation that really waited, and tries again. Nodes never have this answer: they stand for the
-            // first try.
-            let mut twin = self.answers(Some((from, answer)));
-            twin.push(Answer::Again);
-            if !self.compare(from, &twin, paths, &mut compared)? {
-                return Ok(compared);
-            }
-            compared += self.go_round(from, answer, target).ok_or_else(|| self.lie(from))?;
-        }
-        // Invocations that came another way to what `here` says is one place.
-        for &(from, answer, target) in &self.merges {
-            let paths = below.entry(target).or_insert_with(|| self.paths_below(target));
-            let twin = self.answers(Some((from, answer)));
-            if !self.compare(from, &twin, paths, &mut compared)? {
-                return Ok(compared);
-            }
-        }
-        Ok(compared)
-    }
-
-    /// Lead a twin along paths: it must do what is at their nodes, and end as they do. Whether there was room for
-    /// all.
-    fn compare(
-        &self,
-        from: NodeId,
-        twin: &[Answer],
-        paths: &Paths,
-        compared: &mut usize,
-    ) -> std::result::Result<bool, String> {
-        let follow = |path: &[Answer]| {
-            let answers = [twin, path].concat();
-            self.case.follow(self.task(from), &answers, self.lanes).next
-        };
-        for (node, path) in paths {
-            if *compared >= Self::MOST_COMPARISONS {
-                return Ok(false);
-            }
-            *compared += 1;
-            if !self.agrees(*node, &follow(path)) {
-                return Err(self.lie(from));
-            }
-            // Ended nodes are shared, and on no path: compare how the invocation ends.
-            for &(answer, child) in &self.node(*node).children {
-                let Step::Ended(end) = self.node(child).step else { continue };
-                *compared += 1;
-                let last = [path.as_slice(), &[Answer::Value(answer)]].concat();
-                if follow(&last) != Next::Ended(self.ended(end).clone()) {
-                    return Err(self.lie(from));
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    /// Repeat a wait that goes back from `from` to `target`; how many steps were as before, if all were. Every round
-    /// gets the answers of the first, so it must be the first, step by step, and wait again at its end.
-    fn go_round(&self, from: NodeId, answer: u64, target: NodeId) -> Option<usize> {
-        let task = self.task(from);
-        let mut answers = self.answers(Some((from, answer)));
-        // The answers of one round: those of the chain from the target on.
-        let round = answers.split_off(self.answers(self.node(target).parent).len());
-        let mut nodes = vec![from];
-        while let Some(&last) = nodes.last()
-            && last != target
-        {
-            nodes.push(self.node(last).parent?.0);
-        }
-        nodes.reverse();
-        answers.extend(&round);
-        for _ in 0..Self::ROUNDS {
-            answers.push(Answer::Again);
-            for (&node, &result) in nodes.iter().zip(&round) {
-                let next = self.case.follow(task, &answers, self.lanes).next;
-                if !self.agrees(node, &next) {
-                    return None;
-                }
-                answers.push(result);
-            }
-            let next = self.case.follow(task, &answers, self.lanes).next;
-            if !matches!(next, Next::Back(..)) {
-                return None;
-            }
-        }
-        Some(Self::ROUNDS * (round.len() + 1))
-    }
-
-    /// A false claim in words.
-    fn lie(&self, from: NodeId) -> String {
-        let site = self.node(from).site.map(ToString::to_string).unwrap_or_default();
-        format!(
-            "after the step at {site}, the invocation does not do what it did before: a mark, or a list of what it \
-             depends on, claims more than is true"
-        )
-    }
-
-    /// Every node below one, with the answers that lead there, the node itself first.
-    fn paths_below(&self, target: NodeId) -> Paths {
-        let mut found = vec![(target, Vec::new())];
-        let mut at = 0;
-        while at < found.len() && found.len() < Self::MOST_COMPARISONS {
-            let (node, path) = found[at].clone();
-            for &(answer, child) in &self.node(node).children {
-                let own = self.node(child).parent == Some((node, answer));
-                if own && !matches!(self.node(child).step, Step::Ended(_)) {
-                    let mut path = path.clone();
-                    path.push(Answer::Value(answer));
-                    found.push((child, path));
-                }
-            }
-            at += 1;
-        }
-        found
-    }
-
-    /// Whether an invocation is about to do what is at a node. The same operation may stand at another place of the
-    /// source; a merge may not.
-    fn agrees(&self, node: NodeId, next: &Next) -> bool {
-        match (self.node(node).step, next) {
-            (
-                Step::Operation(cell, action),
-                Next::Ask(Request::Operation { at, action: a, .. }),
-            ) => (cell, action) == (self.case.numbering.number(*at), *a),
-            (Step::Merge, Next::Ask(Request::Merge(site))) => self.node(node).site == Some(*site),
-            _ => false,
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Fragments matter to a scheme only through the order of their (depth, data), so they are enumerated up to order:
 //! sorted neighbours differ in depth, only in data, or not at all, which gives 3^(n-1) patterns. The first depth is 0
-//! and, with several, the last is the far plane's, so the ends of the range are always included.
+//! and, with several, the last is the far plane's, so the ends of the range are always included. Other values of the
+//! same patterns: [`super::values`].
 
 use super::litmus::Litmus;
 use super::subject::Subject;
@@ -24,10 +25,13 @@ enum Relation {
     Same,
 }
 
+/// Fragments at pixels: how many pixels there are, and the pixel of each fragment.
+type Places = (u32, Vec<u32>);
+
 /// Which instances to make.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Family {
-    /// Fragments, from 1 up to this.
+    /// The most fragments.
     pub fragments: u32,
     /// The k to try, for methods that take one.
     pub ks: Vec<u32>,
@@ -115,16 +119,15 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     };
     let short = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest && n > 1;
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
-    let spread: u32 = if (2..=3).contains(&n) { n } else { 1 };
     let mut all = Vec::new();
     if contract.crosses() {
         return hashed(contract, family, n);
     }
     for &k in &ks {
         for &room in &rooms {
-            for pixels in 1..=spread {
+            for (pixels, places) in in_turns(n, 3).into_iter().chain(sparse(n)) {
                 for relations in patterns(n, pixels) {
-                    let sorted = fragments(&relations, pixels, contract);
+                    let sorted = fragments(&relations, &places, contract);
                     let helpers = family.helpers.min(n);
                     for fragments in arrivals(sorted, contract) {
                         let (table, inputs) = (None, Vec::new());
@@ -142,12 +145,14 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
 fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let helpers = family.helpers.min(n);
     let mut all = Vec::new();
-    for pixels in 1..=n.min(3) {
+    let in_turns = in_turns(n, n).into_iter().map(|places| (places, true));
+    let sparse = sparse(n).into_iter().map(|places| (places, false));
+    for ((pixels, places), divides) in in_turns.chain(sparse) {
         let mut lists: Vec<Vec<(u32, u32, u32)>> = Vec::new();
         for relations in patterns(n, pixels) {
-            lists.extend(colored(fragments(&relations, pixels, contract), contract));
+            lists.extend(colored(fragments(&relations, &places, contract), contract));
         }
-        if pixels == 2 && n <= ALL_PATTERNS {
+        if divides && pixels == 2 && n <= ALL_PATTERNS {
             lists = lists.iter().flat_map(|list| divided(list)).collect();
         }
         for table in tables(contract, n, pixels) {
@@ -159,6 +164,22 @@ fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
         }
     }
     all
+}
+
+/// On one pixel; and, from two up to `most` fragments, on two or three, in turns.
+fn in_turns(n: u32, most: u32) -> Vec<Places> {
+    let several = if (2..=most).contains(&n) { n.min(3) } else { 1 };
+    (1..=several).map(|pixels| (pixels, (0..n).map(|i| i % pixels).collect())).collect()
+}
+
+/// Pixels without fragments: none at all, and beside those that have some.
+fn sparse(n: u32) -> Vec<Places> {
+    match n {
+        0 => vec![(2, vec![]), (3, vec![])],
+        1 => vec![(2, vec![0]), (2, vec![1]), (3, vec![1])],
+        2 => vec![(2, vec![0, 0]), (2, vec![1, 1]), (3, vec![0, 2])],
+        _ => vec![],
+    }
 }
 
 /// The fragments divided between two pixels in every way that leaves some at both.
@@ -259,7 +280,7 @@ fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, 
 /// The relations of n sorted fragments, all of them for up to [`ALL_PATTERNS`] fragments of one pixel.
 fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
     if n > ALL_PATTERNS || pixels > 1 {
-        return vec![vec![Relation::Farther; n as usize - 1]];
+        return vec![vec![Relation::Farther; n.saturating_sub(1) as usize]];
     }
     let mut all = vec![Vec::new()];
     for _ in 1..n {
@@ -275,14 +296,14 @@ fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
     all
 }
 
-fn fragments(relations: &[Relation], pixels: u32, contract: &Contract) -> Vec<(u32, u32, u32)> {
+fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec<(u32, u32, u32)> {
     let format = contract.depth_format.unwrap_or(Format::D32);
     let levels = 1 + relations.iter().filter(|&&r| r == Relation::Farther).count() as u32;
     // Data words decrease as depth grows, so that nothing sorted by one is sorted by the other.
     let first_data = |level: u32| (levels - level) * 0x10;
     let (mut level, mut data) = (0, first_data(0));
     let mut all = Vec::new();
-    for i in 0..=relations.len() {
+    for (i, &pixel) in places.iter().enumerate() {
         match i.checked_sub(1).map(|before| relations[before]) {
             Some(Relation::Farther) => {
                 level += 1;
@@ -293,7 +314,7 @@ fn fragments(relations: &[Relation], pixels: u32, contract: &Contract) -> Vec<(u
         }
         let code = if level + 1 == levels { FARTHEST } else { level * 0x1000_0000 };
         let data = if contract.data == Some(Data::Nothing) { 0 } else { data };
-        all.push((i as u32 % pixels, format.encode(code), data));
+        all.push((pixel, format.encode(code), data));
     }
     all.sort_by_key(|&(_, depth, data)| key(depth, data));
     all

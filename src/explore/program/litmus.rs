@@ -52,6 +52,9 @@ impl Stage {
     }
 }
 
+/// Offsets of a table that a line shows, at most.
+const SHOWN: usize = 8;
+
 impl Litmus {
     /// One fragment on one pixel: enough to get a method's words.
     #[must_use]
@@ -186,6 +189,15 @@ impl Litmus {
         [0, middle, u64::MAX]
     }
 
+    /// How many operations an invocation may have. Beyond, a loop is taken for endless: a search gives up, and says so.
+    /// The largest of the catalogue has a fourth of that. It grows with the square of the fragments, as sorting in
+    /// memory does.
+    #[must_use]
+    pub fn most_operations(&self) -> usize {
+        let (n, k) = (self.fragments.len(), self.k.unwrap_or(0).min(1_024) as usize);
+        512 + 16 * (n * n + k + self.room as usize)
+    }
+
     /// One line: n, k, room if it is short, and the fragments.
     #[must_use]
     pub fn describe(&self) -> String {
@@ -204,8 +216,11 @@ impl Litmus {
             let [width, height] = table.size;
             let _ = write!(text, " table={width}x{height} ages={} offsets=", table.ages);
             let offsets = table.offsets();
-            let cells: Vec<String> = offsets.iter().map(|[x, y]| format!("{x},{y}")).collect();
-            let _ = write!(text, "{}", cells.join(" "));
+            let cells = offsets.iter().take(SHOWN).map(|[x, y]| format!("{x},{y}"));
+            let _ = write!(text, "{}", cells.collect::<Vec<_>>().join(" "));
+            if offsets.len() > SHOWN {
+                let _ = write!(text, " ... seed={:x}", table.seed);
+            }
         }
         if self.helpers > 0 {
             let _ = write!(text, " helpers={}", self.helpers);

@@ -34,7 +34,7 @@
 //! Left out: a barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
 //! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
 //! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end.
-//! A task that is left out is cut off after [`MOST_STEPS`](super::alone::MOST_STEPS), and nothing reports it. The method's invariant is
+//! The method's invariant is
 //! looked at while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block
 //! together, only the one that moves is asked for faults.
 //!
@@ -48,6 +48,7 @@ use std::collections::BTreeMap;
 use super::alone::Alone;
 use super::case::Case;
 use super::forest::{Fault, Forest, NodeId, Step};
+use super::guard::guarded;
 use super::litmus::{Litmus, Stage};
 use super::schedule::Move;
 use crate::explore::memory;
@@ -110,6 +111,8 @@ pub(in crate::explore) struct Machine<'a> {
     storing: Vec<bool>,
     /// A bound of rounds was hit, in any state.
     full: bool,
+    /// Where an invocation that ran alone was cut off, in any state.
+    endless: Option<NodeId>,
     /// The first state.
     initial: Vec<u32>,
 }
@@ -145,6 +148,8 @@ pub(in crate::explore) struct Moved {
     pub(in crate::explore) fault: Option<Fault>,
     /// An earlier access that the operation races with.
     pub(in crate::explore) race: Option<Race>,
+    /// No state follows: the invocation has panicked.
+    pub(in crate::explore) is_last: bool,
 }
 
 /// How a finished run ended.
@@ -177,13 +182,13 @@ impl<'a> Machine<'a> {
         let resolves = is(course.stages().last(), Part::Resolve);
         let mut clears = is(course.stages().first(), Part::Clear);
         let mut forest = Forest::new(case, conditions.warp.is_some());
-        let mut cleared = BTreeMap::new();
+        let (mut cleared, mut cut_off) = (BTreeMap::new(), None);
         let mut before = 0;
         if leaves_out
             && clears
             && let Some(alone) = Alone::run(&mut forest, &stages[0].tasks, &|_| None, numbering)
         {
-            cleared = alone.written;
+            (cleared, cut_off) = (alone.written, alone.endless);
             stages.remove(0);
             (clears, before) = (false, 1);
         }
@@ -222,6 +227,7 @@ impl<'a> Machine<'a> {
             growing: growing(instance.layout(), numbering),
             storing,
             full: false,
+            endless: cut_off,
             initial: Vec::new(),
         };
         // A first stage without anything to do is passed over.
@@ -279,6 +285,10 @@ impl<'a> Machine<'a> {
             if !self.contract.program.repeats {
                 break;
             }
+            if let Some(cut_off) = alone.as_ref().and_then(|alone| alone.endless) {
+                self.endless = Some(cut_off);
+                break;
+            }
             let written = alone.as_ref().map(|alone| alone.written.clone()).unwrap_or_default();
             let (mut end, again) = self.resolved(&state[..self.width], alone);
             let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
@@ -330,6 +340,12 @@ impl<'a> Machine<'a> {
     /// The number of the stage of the loaded state, counted over all rounds.
     pub(in crate::explore) fn stage_number(&self) -> usize {
         self.at.round as usize * self.stages.len() + self.at.stage as usize
+    }
+
+    /// The number of a stage of the course in this count; `None` if it is not explored.
+    pub(in crate::explore) fn number_of(&self, at: course::At) -> Option<usize> {
+        let stage = at.stage.checked_sub(self.before)?;
+        (stage < self.stages.len()).then_some(at.round as usize * self.stages.len() + stage)
     }
 
     /// Whether an invocation of the loaded state is a helper.
@@ -389,6 +405,8 @@ impl<'a> Machine<'a> {
     ) -> usize {
         match self.forest.node(nodes[invocation]).step {
             Step::Ended(_) => 0,
+            Step::Endless => 0,
+            Step::Panics(_) => 1,
             // The one step that can be disabled: a lane waits for others.
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
             Step::Operation(_, Action::Update(..)) if self.is_helper(invocation) => HELPER_RESULTS,
@@ -425,6 +443,9 @@ impl<'a> Machine<'a> {
                 race = self.model.race().filter(|race| !self.is_helper(race.other));
             }
         }
+        if matches!(step, Step::Panics(_)) {
+            return Moved { node, result, fault, race, is_last: true };
+        }
         let node = self.forest.child(node, result);
         // An end has no move of its own, so its fault belongs to the move that leads there.
         let fault = fault.or_else(|| match self.forest.node(node).step {
@@ -434,7 +455,15 @@ impl<'a> Machine<'a> {
         let fault = fault.or(shrunk.then_some(Fault::Shrinks));
         // What a helper does to a lock has no effect, and what it believes to hold it does not.
         let fault = fault.filter(|f| *f == Fault::Outside || !self.is_helper(invocation));
-        Moved { node, result, fault, race }
+        Moved { node, result, fault, race, is_last: false }
+    }
+
+    /// A fault of an invocation that stands at `node` in words.
+    pub(in crate::explore) fn told(&self, node: NodeId, fault: Fault) -> String {
+        match self.forest.node(node).step {
+            Step::Panics(panic) => self.forest.told(panic).to_owned(),
+            _ => fault.message().to_owned(),
+        }
     }
 
     /// Put an invocation where it stands after a move. Lanes that stand at the same merge leave it together: where
@@ -505,15 +534,28 @@ impl<'a> Machine<'a> {
     pub(in crate::explore) fn invariant(&self, moment: Moment) -> Result<(), String> {
         let value = |address: Address| self.model.settled(self.numbering().number(address));
         let words = Snapshot { value: &value };
-        (0..self.litmus.pixels).try_for_each(|p| self.case.instance.invariant(&words, p, moment))
+        let holds = |p| self.case.instance.invariant(&words, p, moment);
+        guarded(|| (0..self.litmus.pixels).try_for_each(holds))
+            .unwrap_or_else(|told| Err(format!("the invariant {told}")))
     }
 
-    /// How the loaded state ends, all invocations having ended: the lists after resolve.
-    pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Final {
+    /// How the loaded state ends, all invocations having ended: the lists after resolve. `None` if resolve was cut
+    /// off.
+    pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Option<Final> {
         let alone = self.resolve_alone();
+        let cut_off = alone.as_ref().and_then(|alone| alone.endless);
+        if cut_off.is_some() {
+            self.endless = cut_off;
+            return None;
+        }
         let (mut end, _) = self.resolved(nodes, alone);
         end.pixels.iter_mut().for_each(Held::sort);
-        end
+        Some(end)
+    }
+
+    /// Where an invocation that ran alone was cut off, if one was; in any state.
+    pub(in crate::explore) fn endless(&self) -> Option<NodeId> {
+        self.endless
     }
 
     /// What has been found up to the loaded state, and whether some pixel needs another round.
@@ -554,7 +596,7 @@ impl<'a> Machine<'a> {
 
 impl Final {
     /// Add what became of an invocation. Returns whether its pixel needs another round.
-    fn add(&mut self, ended: &Ended) -> bool {
+    pub(in crate::explore) fn add(&mut self, ended: &Ended) -> bool {
         match ended {
             Ended::Resolved(pixel, held, again) => {
                 self.pixels[*pixel as usize].append(held.clone());

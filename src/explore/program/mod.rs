@@ -7,12 +7,15 @@
 
 mod alone;
 pub(super) mod case;
+pub mod controls;
 pub(super) mod forest;
+pub(super) mod guard;
 pub mod instances;
 pub mod litmus;
 pub(super) mod machine;
 pub mod schedule;
 pub(super) mod subject;
+pub mod values;
 
 pub use self::case::Case;
 pub use self::instances::Family;

@@ -1,12 +1,14 @@
 //! Replaying a token and showing it: one column per invocation, the words that change, and the step from which on every
 //! continuation is wrong.
 
+pub mod minimise;
 pub mod run;
 pub mod token;
 
 use self::run::{Event, Run, Runner, describe, label, run};
 use self::token::LitmusToken;
 use super::program::case::Case;
+use super::program::controls;
 use super::program::machine::Conditions;
 use super::program::schedule::Move;
 use super::program::subject::Subject;
@@ -37,7 +39,7 @@ const MOST_STATES: usize = 300_000;
 /// # Errors
 /// An unknown method, or operations that are not the token's: the method has changed since.
 pub fn replay(catalogue: &Catalogue, token: &LitmusToken) -> Result<Replay> {
-    replay_of(&Subject::new(catalogue.find("TOKEN", &token.method)?)?, token)
+    replay_of(&controls::find(catalogue, "TOKEN", &token.method)?, token)
 }
 
 /// Replay a token with this method, whatever name the token has.
@@ -171,6 +173,9 @@ fn name(invocation: usize, task: Task, helper: bool) -> String {
 fn told(event: &Event) -> String {
     let ended = event.ended.as_ref().map(|how| format!(", {how}")).unwrap_or_default();
     match &event.operation {
+        None if event.wrong.iter().any(|(property, _)| *property == Property::Panics) => {
+            "panics".to_owned()
+        }
         None => format!("merge{ended}"),
         Some((_, action)) => {
             let result = match action {

@@ -13,6 +13,7 @@ use crate::explore::search::space::Space;
 use crate::memory::asked::{Action, Site};
 use crate::memory::{Address, Numbering};
 use crate::scheme::Moment;
+use crate::scheme::course;
 use crate::scheme::task::{Ended, Task};
 
 /// One step of a run.
@@ -60,6 +61,8 @@ pub(in crate::explore) struct Runner<'a> {
     nodes: Vec<NodeId>,
     state: Vec<u32>,
     events: Vec<Event>,
+    /// An invocation has panicked: nothing follows.
+    is_over: bool,
 }
 
 impl<'a> Runner<'a> {
@@ -67,17 +70,22 @@ impl<'a> Runner<'a> {
         let machine = Machine::new(case, conditions, false);
         let state = machine.initial().to_vec();
         let nodes = state[..machine.width].to_vec();
-        Self { machine, nodes, state, events: Vec::new() }
+        Self { machine, nodes, state, events: Vec::new(), is_over: false }
     }
 
-    /// Bits of the invocations that have not ended.
+    /// Bits of the invocations that can go on.
     pub(in crate::explore) fn live(&self) -> u32 {
-        self.machine.live(&self.nodes)
+        if self.is_over { 0 } else { self.machine.live(&self.nodes) }
     }
 
     /// The number of the present stage, over all rounds.
     pub(in crate::explore) fn stage(&self) -> usize {
         self.machine.stage_number()
+    }
+
+    /// The number of a stage of the method's course, if it is one of those that are explored.
+    pub(in crate::explore) fn number_of(&self, at: course::At) -> Option<usize> {
+        self.machine.number_of(at)
     }
 
     /// In how many ways an invocation can move.
@@ -102,8 +110,12 @@ impl<'a> Runner<'a> {
             let node = self.machine.forest.node(node);
             (node.step, node.site)
         };
+        if self.is_over {
+            return None;
+        }
         let moved = self.machine.perform(node, by);
-        let wrong = self.wrong(by, moved);
+        self.is_over = moved.is_last;
+        let wrong = self.wrong(node, by, moved);
         let mut event = Event {
             stage: self.machine.stage_number(),
             by,
@@ -143,8 +155,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    fn wrong(&self, by: Move, moved: Moved) -> Vec<(Property, String)> {
-        let fault = moved.fault.map(|f| (f.property(), f.message().to_owned()));
+    fn wrong(&self, node: NodeId, by: Move, moved: Moved) -> Vec<(Property, String)> {
+        let fault = moved.fault.map(|f| (f.property(), self.machine.told(node, f)));
         let race = moved.race.map(|race| (Property::RaceFree, self.race(by, race)));
         fault.into_iter().chain(race).collect()
     }
@@ -223,16 +235,16 @@ impl<'a> Runner<'a> {
     /// The whole run, whether or not all invocations have ended.
     pub(in crate::explore) fn finish(mut self) -> Run {
         let (mut end, mut wrong) = (None, Vec::new());
-        if self.live() == 0 {
+        if !self.is_over && self.live() == 0 {
             self.machine.load(&self.state);
             if self.machine.is_in_passes()
                 && let Err(message) = self.machine.invariant(Moment::Quiet)
             {
                 wrong.push((Property::Invariant, message));
             }
-            let run = self.machine.finish(&self.nodes);
-            wrong.extend(property::judge(self.machine.case, &run));
-            end = Some(run);
+            end = self.machine.finish(&self.nodes);
+            let judged = end.iter().flat_map(|end| property::judge(self.machine.case, end));
+            wrong.extend(judged);
         }
         Run { events: self.events, stages: self.machine.stages, end, wrong }
     }
@@ -254,8 +266,7 @@ impl<'a> Runner<'a> {
             self.machine.load(&state);
             if self.machine.live(&nodes) == 0 {
                 let end = self.machine.finish(&nodes);
-                let wrong = property::judge(self.machine.case, &end);
-                if wrong.is_empty() {
+                if end.is_some_and(|end| property::judge(self.machine.case, &end).is_empty()) {
                     return Some(true);
                 }
             }
@@ -265,6 +276,9 @@ impl<'a> Runner<'a> {
                     self.machine.load(&state);
                     let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
+                    if moved.is_last {
+                        continue;
+                    }
                     let mut next = state[..self.machine.head()].to_vec();
                     self.machine.place(&mut next[..count], by, moved.node);
                     self.machine.settle(&mut next);

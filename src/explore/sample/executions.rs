@@ -10,7 +10,7 @@ use crate::explore::program::subject::Subject;
 use crate::explore::replay::token::{SceneToken, Token};
 use crate::explore::search::exhaustive::Limits;
 use crate::explore::search::property::Property;
-use crate::explore::verdict::{Finding, Verdict};
+use crate::explore::verdict::{Finding, Scope, Verdict};
 use crate::render::{Exec, Options, Rendering, Sim, reference, render};
 use crate::resolve::Kept;
 use crate::scene::Scene;
@@ -161,10 +161,17 @@ impl Executions {
         Finding {
             method: subject.contract.name.to_owned(),
             property: Some(property.name().to_owned()),
+            found: None,
             claim: None,
             verdict: Verdict::Unknown,
             exhaustive: false,
             bound: format!("{done} of {} executions, {}", self.count, self.schedule),
+            scope: Scope {
+                interleavings: "random",
+                ks: self.options.k.into_iter().collect(),
+                random_runs: done as u64,
+                ..Scope::default()
+            },
             memory: MemoryModel::Sequential.name().to_owned(),
             profile: None,
             progress: None,

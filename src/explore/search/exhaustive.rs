@@ -10,7 +10,7 @@ use super::property::{self, Property};
 use super::space::{Space, StateId};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::case::Case;
-use crate::explore::program::forest::NodeId;
+use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
 use crate::explore::program::machine::{Conditions, Final, Machine, Moved};
 use crate::explore::program::schedule::{Move, Schedule};
@@ -32,6 +32,58 @@ impl std::fmt::Debug for Limits<'_> {
     }
 }
 
+/// Why a search is not complete.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stopped {
+    /// There are more states than the limit, of so many bytes each.
+    States {
+        /// The limit.
+        limit: usize,
+        /// Bytes of a state, with what a search keeps of it.
+        bytes: usize,
+    },
+    /// The user has cancelled.
+    Cancelled,
+    /// An invocation has not ended after so many operations, the last one here.
+    Endless {
+        /// File, line and column.
+        site: String,
+        /// Operations.
+        operations: usize,
+    },
+    /// The scheme's code panics: what would follow was not explored.
+    Panics,
+    /// A word, or the rounds of a program, had no room.
+    Full,
+}
+
+impl std::fmt::Display for Stopped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::States { limit, bytes } => {
+                let more = (limit * 4 * bytes).div_ceil(1 << 20);
+                write!(
+                    f,
+                    "there are more than {limit} states: raise --max-states (four times as many take up to {more} MiB \
+                     for an instance and four times as long), or lower -n"
+                )
+            }
+            Self::Cancelled => f.write_str("interrupted"),
+            Self::Endless { site, operations } => write!(
+                f,
+                "{site}: an invocation has not ended after {operations} operations, the last one here. No option \
+                 raises this bound: a loop that waits for others must say so, with `mem.mark()` before it and \
+                 `mem.spin(mark).await` before it tries again; any other loop must end"
+            ),
+            Self::Panics => f.write_str("the scheme's code panics, and what would follow is not explored"),
+            Self::Full => f.write_str(
+                "a word had too many writes that can still be read, or a program too many rounds; no option raises \
+                 this bound: lower -n",
+            ),
+        }
+    }
+}
+
 /// A violation, and the first schedule that shows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
@@ -46,6 +98,8 @@ pub struct Found {
 pub struct Explored {
     /// Every state was visited.
     pub complete: bool,
+    /// Why not, if not.
+    pub stopped: Option<Stopped>,
     /// Distinct states.
     pub states: usize,
     /// Moves from them.
@@ -66,6 +120,27 @@ pub struct Explored {
     pub claims: usize,
 }
 
+impl Explored {
+    /// What is left of a search if the scheme's code panics outside of its invocations: where it is made, or where it
+    /// says what it expects.
+    pub(in crate::explore) fn panicked(message: String) -> Self {
+        let found = Found { message, schedule: Vec::new() };
+        Self {
+            complete: false,
+            stopped: Some(Stopped::Panics),
+            states: 0,
+            transitions: 0,
+            executions: None,
+            cyclic: false,
+            outcomes: BTreeMap::new(),
+            violations: BTreeMap::from([(Property::Panics, found)]),
+            sites: std::collections::BTreeSet::new(),
+            bare_waits: 0,
+            claims: 0,
+        }
+    }
+}
+
 /// Explore one instance.
 pub(in crate::explore) fn explore(
     case: &Case,
@@ -80,6 +155,17 @@ pub(in crate::explore) fn explore(
     Search::new(machine, groups).run(limits)
 }
 
+/// Explore the orders in which invocations of a stage may run one after another: one that has begun goes on until it
+/// has ended, or waits from its beginning. It is the same search with fewer moves.
+pub(in crate::explore) fn orders(case: &Case, limits: &Limits<'_>) -> Explored {
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    let machine = Machine::new(case, conditions, false);
+    let groups = groups(&machine);
+    let mut search = Search::new(machine, groups);
+    search.one_by_one = true;
+    search.run(limits)
+}
+
 /// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
 pub(in crate::explore) fn graph<'a>(
     case: &'a Case,
@@ -89,8 +175,14 @@ pub(in crate::explore) fn graph<'a>(
     let machine = Machine::new(case, conditions, true);
     let mut search = Search::new(machine, Vec::new());
     search.mark_movers = true;
-    let complete = search.expand_all(limits);
-    complete.then_some((search.graph, search.space, search.machine))
+    search.expand_all(limits);
+    search.stopped.is_none().then_some((search.graph, search.space, search.machine))
+}
+
+/// An invocation that was cut off at a node.
+fn endless(machine: &Machine<'_>, node: NodeId) -> Stopped {
+    let site = machine.forest.node(node).site.map(ToString::to_string).unwrap_or_default();
+    Stopped::Endless { site, operations: machine.litmus.most_operations() }
 }
 
 /// Runs of invocations with equal tasks; helpers separate.
@@ -136,10 +228,14 @@ struct Search<'a> {
     /// By stage.
     groups: Vec<Vec<std::ops::Range<usize>>>,
     mark_movers: bool,
+    /// One invocation after another.
+    one_by_one: bool,
     space: Space,
     graph: Graph,
     finals: Vec<StateId>,
     violations: BTreeMap<Property, (StateId, Option<Move>, String)>,
+    /// What ended the search early, or left something out.
+    stopped: Option<Stopped>,
 }
 
 impl<'a> Search<'a> {
@@ -148,19 +244,23 @@ impl<'a> Search<'a> {
             machine,
             groups,
             mark_movers: false,
+            one_by_one: false,
             space: Space::new(),
             graph: Graph::default(),
             finals: Vec::new(),
             violations: BTreeMap::new(),
+            stopped: None,
         }
     }
 
     fn run(mut self, limits: &Limits<'_>) -> Explored {
-        let complete = self.expand_all(limits);
+        self.expand_all(limits);
+        let complete = self.stopped.is_none();
         let mut outcomes: BTreeMap<Vec<Held>, StateId> = BTreeMap::new();
         for state in std::mem::take(&mut self.finals) {
-            let end = self.finish(state);
-            outcomes.entry(end.pixels).or_insert(state);
+            if let Some(end) = self.finish(state) {
+                outcomes.entry(end.pixels).or_insert(state);
+            }
         }
         let (contract, litmus) = (self.machine.contract, self.machine.litmus);
         let short = |pixels: &Vec<Held>| {
@@ -186,7 +286,13 @@ impl<'a> Search<'a> {
             (property, Found { message, schedule: self.schedule(state, last) })
         });
         let mut violations: BTreeMap<Property, Found> = violations.collect();
-        let claims = self.machine.forest.check_claims();
+        let repeats = self.machine.forest.check_repeats();
+        if let Err(message) = &repeats {
+            let found = Found { message: message.clone(), schedule: Vec::new() };
+            violations.insert(Property::Repeats, found);
+        }
+        // Without that, no claim is worth a comparison.
+        let claims = repeats.map_or(Ok(0), |()| self.machine.forest.check_claims());
         if let Err(message) = &claims {
             let found = Found { message: message.clone(), schedule: Vec::new() };
             violations.insert(Property::Invariant, found);
@@ -195,6 +301,7 @@ impl<'a> Search<'a> {
         let outcomes = outcomes.collect();
         Explored {
             complete,
+            stopped: self.stopped,
             states: self.space.len(),
             transitions: self.graph.targets.len(),
             executions: if complete { executions(&self.graph) } else { None },
@@ -207,24 +314,38 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Visit every state. Returns whether all were visited.
-    fn expand_all(&mut self, limits: &Limits<'_>) -> bool {
+    /// Visit every state, or as many as may be.
+    fn expand_all(&mut self, limits: &Limits<'_>) {
         let start = self.machine.initial().to_vec();
         self.space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
         let (mut state, mut next) = (0, Vec::new());
         let mut current = Vec::new();
         self.graph.first.push(0);
         while state < self.space.len() {
-            if self.space.len() > limits.states || (state % 1_024 == 0 && (limits.cancelled)()) {
-                return false;
+            if self.space.len() > limits.states {
+                let (limit, bytes) = (limits.states, self.space.bytes() / self.space.len());
+                self.stopped = Some(Stopped::States { limit, bytes });
+                return;
+            }
+            if state % 1_024 == 0 && (limits.cancelled)() {
+                self.stopped = Some(Stopped::Cancelled);
+                return;
             }
             current.clear();
             current.extend_from_slice(self.space.get(state as StateId));
             self.expand(state as StateId, &current, &mut next);
+            if matches!(self.stopped, Some(Stopped::Endless { .. })) {
+                return;
+            }
             self.graph.first.push(self.graph.targets.len());
             state += 1;
         }
-        !self.machine.is_full()
+        if let Some(node) = self.machine.endless() {
+            self.stopped.get_or_insert(endless(&self.machine, node));
+        }
+        if self.machine.is_full() {
+            self.stopped.get_or_insert(Stopped::Full);
+        }
     }
 
     fn expand(&mut self, id: StateId, state: &[u32], next: &mut Vec<u32>) {
@@ -243,7 +364,8 @@ impl<'a> Search<'a> {
             self.violation(Property::Invariant, id, None, || message);
         }
         self.exclusion(id, nodes);
-        for invocation in (0..count).filter(|i| live & (1 << i) != 0) {
+        let movers = if self.one_by_one { self.begun(nodes, live) } else { live };
+        for invocation in (0..count).filter(|i| movers & (1 << i) != 0) {
             let mut alternatives = 1;
             let mut alternative = 0;
             while alternative < alternatives {
@@ -251,16 +373,28 @@ impl<'a> Search<'a> {
                 if alternative == 0 {
                     alternatives = self.machine.alternatives(nodes, invocation);
                     if alternatives == 0 {
+                        self.look_for_end(nodes[invocation]);
                         break;
                     }
                 }
                 let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                 let moved = self.machine.perform(nodes[invocation], by);
-                self.judge_move(id, by, moved);
-                self.follow(id, state, by, moved, next);
+                self.judge_move(id, nodes[invocation], by, moved);
+                if !moved.is_last {
+                    self.follow(id, state, by, moved, next);
+                }
                 alternative += 1;
             }
         }
+    }
+
+    /// The invocation that has begun and not ended; all live ones, if none has.
+    fn begun(&mut self, nodes: &[NodeId], live: u32) -> u32 {
+        let begun = (0..nodes.len()).find(|&i| {
+            let task = self.machine.stage().tasks[i];
+            live & (1 << i) != 0 && nodes[i] != self.machine.forest.root(task)
+        });
+        begun.map_or(live, |invocation| 1 << invocation)
     }
 
     /// The state after a move.
@@ -284,9 +418,20 @@ impl<'a> Search<'a> {
         self.graph.movers.push(by.invocation);
     }
 
-    fn judge_move(&mut self, id: StateId, by: Move, moved: Moved) {
+    /// An invocation that cannot move: it waits for other lanes, or it was cut off.
+    fn look_for_end(&mut self, node: NodeId) {
+        if self.machine.forest.node(node).step == Step::Endless {
+            self.stopped = Some(endless(&self.machine, node));
+        }
+    }
+
+    fn judge_move(&mut self, id: StateId, node: NodeId, by: Move, moved: Moved) {
         if let Some(fault) = moved.fault {
-            self.violation(fault.property(), id, Some(by), || fault.message().to_owned());
+            let told = self.machine.told(node, fault);
+            self.violation(fault.property(), id, Some(by), || told);
+        }
+        if moved.is_last {
+            self.stopped.get_or_insert(Stopped::Panics);
         }
         if moved.race.is_some() {
             self.violation(Property::RaceFree, id, Some(by), || "a data race".to_owned());
@@ -307,6 +452,8 @@ impl<'a> Search<'a> {
 
     fn ended(&mut self, id: StateId, nodes: &[NodeId]) {
         if self.mark_movers {
+            // Resolve must end, too.
+            let _ = self.machine.finish(nodes);
             return;
         }
         self.finals.push(id);
@@ -315,7 +462,7 @@ impl<'a> Search<'a> {
         {
             self.violation(Property::Invariant, id, None, || message);
         }
-        let end = self.machine.finish(nodes);
+        let Some(end) = self.machine.finish(nodes) else { return };
         for (property, message) in property::judge(self.machine.case, &end) {
             self.violation(property, id, None, || message);
         }
@@ -331,7 +478,7 @@ impl<'a> Search<'a> {
         self.violations.entry(property).or_insert_with(|| (state, last, message()));
     }
 
-    fn finish(&mut self, state: StateId) -> Final {
+    fn finish(&mut self, state: StateId) -> Option<Final> {
         let words = self.space.get(state).to_vec();
         self.machine.load(&words);
         self.machine.finish(&words[..self.machine.width])

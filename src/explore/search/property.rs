@@ -31,11 +31,15 @@ pub enum Property {
     RaceFree,
     /// Every invocation ends.
     Termination,
+    /// The scheme's code does not panic.
+    Panics,
+    /// An invocation that gets the same answers does the same.
+    Repeats,
 }
 
 impl Property {
     /// All, in the order of reports.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Keeps,
         Self::Intact,
         Self::Accounting,
@@ -45,7 +49,12 @@ impl Property {
         Self::OneOutcome,
         Self::RaceFree,
         Self::Termination,
+        Self::Panics,
+        Self::Repeats,
     ];
+
+    /// Those without which nothing can be checked: they have a row only where they are violated.
+    pub const CONDITIONS: [Self; 2] = [Self::Panics, Self::Repeats];
 
     /// The name in reports.
     #[must_use]
@@ -60,6 +69,8 @@ impl Property {
             Self::OneOutcome => "one-outcome",
             Self::RaceFree => "race-free",
             Self::Termination => "termination",
+            Self::Panics => "panics",
+            Self::Repeats => "repeats",
         }
     }
 }
@@ -71,6 +82,7 @@ impl Fault {
             Self::ForeignLock | Self::KeepsLock => Property::MutualExclusion,
             Self::WaitsForNothing => Property::Termination,
             Self::Shrinks => Property::Invariant,
+            Self::Panics => Property::Panics,
         }
     }
 
@@ -81,6 +93,7 @@ impl Fault {
             Self::KeepsLock => "an invocation ends and still holds a lock",
             Self::WaitsForNothing => "an invocation waits before its first operation, for ever",
             Self::Shrinks => "a word that only grows becomes smaller",
+            Self::Panics => "the scheme's code panics",
         }
     }
 }
@@ -91,8 +104,13 @@ pub(in crate::explore) fn overflows(contract: &Contract, litmus: &Litmus) -> boo
     if contract.keeps == Keeps::Visible {
         return true;
     }
-    let short = (litmus.room as usize) < litmus.fragments.len();
+    let short = (room(contract, litmus) as usize) < litmus.fragments.len();
     short && matches!(contract.overflow, Overflow::Drops(_))
+}
+
+/// Room that the method has: what it is configured with, or the most that it can have.
+fn room(contract: &Contract, litmus: &Litmus) -> u32 {
+    litmus.room.min(contract.max_k)
 }
 
 /// What was wrong with a finished run.
@@ -177,7 +195,7 @@ fn keeps(
         // Drops by arrival: any of the fragments may be missing, but no more than were reported, and no more than do
         // not fit.
         Keeps::All | Keeps::FirstArrivals if overflows(contract, litmus) => {
-            let room = litmus.room as usize;
+            let room = room(contract, litmus) as usize;
             let enough = match contract.keeps {
                 Keeps::FirstArrivals => dropped == generated.len().saturating_sub(room),
                 _ => dropped <= (litmus.fragments.len() - room) * contract.page as usize,

@@ -34,6 +34,11 @@ impl Space {
         self.came.len()
     }
 
+    /// Bytes in use, but for the table's.
+    pub(in crate::explore) fn bytes(&self) -> usize {
+        self.words.len() * 4 + self.len() * (size_of::<(StateId, Move)>() + 12)
+    }
+
     #[inline]
     pub(in crate::explore) fn get(&self, state: StateId) -> &[u32] {
         &self.words[self.ends[state as usize]..self.ends[state as usize + 1]]

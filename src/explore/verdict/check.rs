@@ -3,25 +3,32 @@
 //! Instances are explored by size. A size at which a result is wrong is the last one: larger sizes would not show a
 //! smaller violation. What was explored until then is the bound of every row.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
+use super::beyond;
 use super::plan::{MOST_PROGRESS, Plan};
-use super::sites;
-use super::{Finding, Verdict};
+use super::{Finding, Scope, Verdict};
 use crate::explore::memory::model::MemoryModel;
+use crate::explore::program::guard::guarded;
 use crate::explore::program::instances::{self, Family};
 use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::Move;
 use crate::explore::program::subject::Subject;
+use crate::explore::program::values::{self, Values};
 use crate::explore::replay::run;
 use crate::explore::replay::token::{LitmusToken, Token};
-use crate::explore::search::exhaustive::{self, Explored, Found, Limits};
+use crate::explore::search::exhaustive::{Explored, Found, Limits, Stopped};
 use crate::explore::search::progress::{self, Lasso, Progress, Progressed};
 use crate::explore::search::property::Property;
+use crate::explore::search::random;
+use crate::explore::search::{explore, orders};
 use crate::scheme::Held;
+
+/// Random runs that say which operations there are.
+const RUNS: u64 = 100;
 
 /// All results of exploring a method under one memory model.
 #[derive(Clone, Debug)]
@@ -32,18 +39,23 @@ pub struct Survey {
     pub conditions: Conditions,
     /// The instances explored, smallest first, with their results.
     pub explored: Vec<(Litmus, Explored)>,
+    /// The same with other values, in every order of arrival, one invocation after another.
+    pub ordered: Vec<(Litmus, Explored)>,
     /// Sizes planned and sizes explored to their end.
     pub planned: u32,
     /// The largest size explored.
     pub size: u32,
+    /// Instances have several choices of values.
+    pub varies: bool,
     /// What was explored, if it was not a family of instances.
     pub given: Option<String>,
-    /// Operations that other instances of the method reach: file, line, column.
-    pub reached_elsewhere: BTreeSet<(&'static str, u32, u32)>,
+    /// Where random runs with more fragments make operations that no instance reached, and what they are.
+    pub missed: BTreeMap<(&'static str, u32, u32), String>,
 }
 
 impl Survey {
-    /// Explore all instances up to a size, or up to the first size at which a result is wrong.
+    /// Explore all instances up to a size, or up to the first size at which a result is wrong; also with close values,
+    /// and under sequential consistency with others in every order of arrival.
     #[must_use]
     pub fn new(
         subject: &Subject,
@@ -51,45 +63,92 @@ impl Survey {
         conditions: Conditions,
         limits: &Limits<'_>,
     ) -> Self {
+        Self::of(subject, family, conditions, true, limits)
+    }
+
+    /// The same; `varies` if values are varied.
+    fn of(
+        subject: &Subject,
+        family: &Family,
+        conditions: Conditions,
+        varies: bool,
+        limits: &Limits<'_>,
+    ) -> Self {
         let mut survey = Self {
             subject: *subject,
             conditions,
             explored: Vec::new(),
+            ordered: Vec::new(),
             planned: family.fragments,
             size: 0,
+            varies,
             given: None,
-            reached_elsewhere: BTreeSet::new(),
+            missed: BTreeMap::new(),
         };
-        for n in 1..=family.fragments {
-            let instances = instances::of_size(subject, family, n);
+        for n in 0..=family.fragments {
+            let mut instances = match guarded(|| instances::of_size(subject, family, n)) {
+                Ok(instances) => instances,
+                Err(told) => {
+                    let litmus = Litmus::of_one(subject.contract);
+                    survey.explored.push((litmus, Explored::panicked(told)));
+                    break;
+                }
+            };
+            let mut others = Vec::new();
+            if varies {
+                let of = |values: &Values| {
+                    let other = |litmus| values.of(litmus, subject.contract);
+                    instances.iter().filter_map(other).collect::<Vec<_>>()
+                };
+                if conditions.memory == MemoryModel::Sequential {
+                    others = values::OTHERS.iter().flat_map(of).collect();
+                }
+                let close = of(&values::CLOSE);
+                instances.extend(close);
+            }
             let explore = |litmus: Litmus| {
-                let explored = exhaustive::explore(&subject.case(&litmus), conditions, limits);
+                let explored = explore(subject, &litmus, conditions, limits);
                 (litmus, explored)
             };
-            let explored: Vec<_> = instances.into_par_iter().map(explore).collect();
-            survey.explored.extend(explored);
+            let order = |litmus: Litmus| {
+                let explored = orders(subject, &litmus, limits);
+                (litmus, explored)
+            };
+            survey.explored.par_extend(instances.into_par_iter().map(explore));
+            survey.ordered.par_extend(others.into_par_iter().map(order));
             survey.size = n;
             if survey.is_wrong() || !survey.is_complete() {
                 break;
             }
         }
+        if varies && !survey.is_wrong() && survey.is_complete() {
+            let reached = survey.reached();
+            let beyond = random::sample(subject, 0, RUNS, limits).sites.into_iter();
+            let missed = beyond.filter(|(site, _)| !reached.contains(site));
+            survey.missed = missed.map(|(site, action)| (site, run::describe(action))).collect();
+        }
         survey
+    }
+
+    /// All results, of whole explorations and of orders of arrival.
+    fn all(&self) -> impl Iterator<Item = &(Litmus, Explored)> {
+        self.explored.iter().chain(&self.ordered)
     }
 
     /// Every state of every instance was visited.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.explored.iter().all(|(_, e)| e.complete)
+        self.all().all(|(_, e)| e.complete)
     }
 
     fn is_wrong(&self) -> bool {
-        self.explored.iter().any(|(_, e)| e.violations.keys().any(|&p| p != Property::RaceFree))
+        self.all().any(|(_, e)| e.violations.keys().any(|&p| p != Property::RaceFree))
     }
 
     /// Distinct states in total.
     #[must_use]
     pub fn states(&self) -> u64 {
-        self.explored.iter().map(|(_, e)| e.states as u64).sum()
+        self.all().map(|(_, e)| e.states as u64).sum()
     }
 
     /// Complete interleavings in total, if they could be counted.
@@ -103,24 +162,34 @@ impl Survey {
     /// The smallest instance that violates a property: by n, k, and then steps.
     #[must_use]
     pub fn violation(&self, property: Property) -> Option<(&Litmus, &Explored, &Found)> {
-        let all = self.explored.iter();
-        let found = all.filter_map(|(l, e)| Some((l, e, e.violations.get(&property)?)));
+        let found = self.all().filter_map(|(l, e)| Some((l, e, e.violations.get(&property)?)));
         found.min_by_key(|(l, _, f)| (l.fragments.len(), l.k, f.schedule.len()))
     }
 
     /// Operations that the instances reached: file, line, column.
     #[must_use]
     pub fn reached(&self) -> BTreeSet<(&'static str, u32, u32)> {
-        self.explored.iter().flat_map(|(_, e)| e.sites.iter().copied()).collect()
+        self.all().flat_map(|(_, e)| e.sites.iter().copied()).collect()
     }
 
-    /// Operations of the source that no instance reached.
+    /// The first instance that was not explored to its end, and why.
+    fn stopped(&self) -> Option<(&Litmus, &Stopped)> {
+        self.all().find_map(|(litmus, e)| Some((litmus, e.stopped.as_ref()?)))
+    }
+
+    /// The first instance on which an invocation was cut off.
+    pub(super) fn endless(&self) -> Option<&(Litmus, Explored)> {
+        let cut_off = |e: &Explored| matches!(e.stopped, Some(Stopped::Endless { .. }));
+        self.all().find(|(_, e)| cut_off(e))
+    }
+
+    /// A row for every property that can be checked, and for the conditions of a check that are violated.
     #[must_use]
-    pub fn missed(&self) -> Vec<String> {
-        let mut reached = self.reached();
-        reached.extend(self.reached_elsewhere.iter().copied());
-        let missed = sites::missed(self.subject.contract.source, &reached);
-        missed.into_iter().map(|((line, _), name)| format!("{name} in line {line}")).collect()
+    pub fn rows(&self) -> Vec<Finding> {
+        let violated = |p: &Property| self.violation(*p).is_some();
+        let conditions = Property::CONDITIONS.into_iter().filter(violated);
+        let asked = properties(&self.subject, self.conditions.memory);
+        asked.into_iter().chain(conditions).map(|p| self.row(p)).collect()
     }
 
     /// The row of a property.
@@ -139,16 +208,20 @@ impl Survey {
             }
             return row;
         }
-        let missed = self.missed();
         row.verdict = Verdict::Unknown;
-        if !self.is_complete() {
-            row.message = "a bound was hit before all interleavings were explored".to_owned();
-        } else if self.subject.contract.source.is_empty() {
-            row.message =
-                "the contract names no source, so nothing says that all of it was reached"
-                    .to_owned();
-        } else if !missed.is_empty() && !self.is_wrong() {
-            row.message = format!("never reached: {}", missed.join(", "));
+        if let Some((_, _, found)) = self.violation(Property::Repeats) {
+            row.message.clone_from(&found.message);
+        } else if let Some((litmus, stopped)) = self.stopped() {
+            row.message = format!("{stopped}; on {}", litmus.describe());
+        } else if !self.missed.is_empty() {
+            let missed = self.missed.iter();
+            let told = missed
+                .map(|((file, line, column), told)| format!("{told} at {file}:{line}:{column}"));
+            let told: Vec<String> = told.collect();
+            row.message = format!(
+                "random runs make operations that these instances do not reach, so raise -n or -k: {}",
+                told.join(", ")
+            );
         } else {
             row.verdict = Verdict::Verified;
         }
@@ -163,24 +236,22 @@ impl Survey {
         conditions: Conditions,
         limits: &Limits<'_>,
     ) -> Self {
-        let explored = exhaustive::explore(&subject.case(litmus), conditions, limits);
+        let explored = explore(subject, litmus, conditions, limits);
         let n = litmus.fragments.len() as u32;
         let k = litmus.k.map(|k| format!(", k = {k}")).unwrap_or_default();
         let given = Some(format!("these {n} fragments{k}"));
         let explored = vec![(litmus.clone(), explored)];
-        // One pixel need not show all of the method: its verdict concerns only these fragments.
-        let reached_elsewhere = sites::operations(subject.contract.source)
-            .into_keys()
-            .map(|(line, column)| ("", line, column))
-            .collect();
         Self {
             subject: *subject,
             conditions,
             explored,
+            ordered: Vec::new(),
             planned: n,
             size: n,
+            varies: false,
             given,
-            reached_elsewhere,
+            // One pixel need not show all of the method: its verdict concerns only these fragments.
+            missed: BTreeMap::new(),
         }
     }
 
@@ -222,9 +293,13 @@ impl Survey {
 
     fn blank(&self, property: Option<Property>) -> Finding {
         let contract = self.subject.contract;
-        let ks: BTreeSet<u32> = self.explored.iter().filter_map(|(l, _)| l.k).collect();
-        let ks: Vec<String> = ks.iter().map(ToString::to_string).collect();
-        let k = if ks.is_empty() { String::new() } else { format!(", k in {{{}}}", ks.join(", ")) };
+        let mut scope = Scope::of(self.explored.iter().map(|(litmus, _)| litmus));
+        if self.varies {
+            scope.values = 2;
+            if !self.ordered.is_empty() {
+                scope.arrival_values = values::OTHERS.len() as u32;
+            }
+        }
         let patterns = match self.size {
             n if n > instances::ALL_PATTERNS => {
                 format!(" (all patterns up to {}, distinct depths beyond)", instances::ALL_PATTERNS)
@@ -233,17 +308,23 @@ impl Survey {
         };
         let what = match &self.given {
             Some(given) => given.clone(),
-            None => format!("n <= {}{k}{patterns}", self.size),
+            None => {
+                let (n, k, values) = (self.size, scope.ks_told(), scope.values_told());
+                format!("n <= {n} on up to {} pixels{k}{patterns}{values}", scope.pixels)
+            }
         };
         let tables = if contract.crosses() { ", some tables of 1 to 8 cells" } else { "" };
-        let bound = format!("{what}{tables}, {}", self.conditions.memory.bound());
+        let memory = self.conditions.memory.bound();
+        let bound = format!("{what}{tables}, all interleavings, any initial memory, {memory}");
         Finding {
             method: contract.name.to_owned(),
             property: property.map(|p| p.name().to_owned()),
+            found: None,
             claim: None,
             verdict: Verdict::Unknown,
             exhaustive: self.is_complete(),
             bound,
+            scope,
             memory: self.conditions.memory.name().to_owned(),
             profile: self.conditions.memory.profile().map(str::to_owned),
             progress: None,
@@ -280,9 +361,12 @@ fn witness(
     message: &str,
 ) -> (Option<String>, String) {
     let moves = schedule.concat();
-    let Ok(run) = run::run(&subject.case(litmus), conditions, &moves) else {
+    let run = guarded(|| run::run(&subject.case(litmus), conditions, &moves));
+    // A scheme that panics before it runs has no schedule, and one that does not repeat itself has none that counts.
+    let Ok(Ok(run)) = run else { return (None, message.to_owned()) };
+    if Property::CONDITIONS.contains(&property) && moves.is_empty() {
         return (None, message.to_owned());
-    };
+    }
     let told = run.violations().find(|(p, _)| *p == property).map(|(_, told)| told.clone());
     let (method, name) = (subject.contract.name, property.name());
     let token = LitmusToken::new(method, name, litmus, conditions, schedule, &run);
@@ -310,12 +394,13 @@ fn pixels_told(pixels: &[Held]) -> String {
 #[must_use]
 pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
     let litmus = Litmus::of_one(subject.contract);
-    let locks = !subject.case(&litmus).instance.layout().locks().is_empty();
+    let locks = guarded(|| !subject.case(&litmus).instance.layout().locks().is_empty());
+    let locks = locks.unwrap_or(false);
     let races = matches!(memory, MemoryModel::Relaxed(profile) if profile.has_races());
     let asked = |p: &Property| match p {
         Property::MutualExclusion => locks,
         Property::RaceFree => races,
-        Property::Termination => false,
+        Property::Termination | Property::Panics | Property::Repeats => false,
         _ => true,
     };
     Property::ALL.into_iter().filter(asked).collect()
@@ -325,18 +410,40 @@ pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
 #[must_use]
 pub fn check(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<Finding> {
     let mut rows = Vec::new();
+    let mut reached = BTreeSet::new();
     for &memory in &plan.memory {
-        let family = Family {
-            fragments: plan.fragments_under(subject.contract, memory),
-            ks: plan.ks.clone(),
-            helpers: plan.helpers,
-        };
-        let survey = Survey::new(subject, &family, Conditions { memory, warp: None }, limits);
-        rows.extend(properties(subject, memory).into_iter().map(|p| survey.row(p)));
+        let fragments = plan.fragments_under(subject.contract, memory);
+        let mut family = Family { fragments, ks: plan.ks.clone(), helpers: plan.helpers };
+        let conditions = Conditions { memory, warp: None };
+        let mut survey = Survey::new(subject, &family, conditions, limits);
+        // One more fragment, if that reaches what fewer do not.
+        if plan.fragments.is_none() && survey.missed.keys().any(|site| reached.contains(site)) {
+            family.fragments += 1;
+            survey = Survey::new(subject, &family, conditions, limits);
+        }
+        reached.append(&mut survey.reached());
+        rows.extend(survey.rows());
     }
     inherit(&mut rows);
     rows.extend(termination(subject, plan, limits));
+    if plan.runs > 0 {
+        rows.push(beyond::row(subject, plan.seed, plan.runs, limits));
+    }
+    doubt(&mut rows);
     rows
+}
+
+/// Of a scheme that panics, or that does not repeat itself, nothing is verified.
+fn doubt(rows: &mut [Finding]) {
+    let names = Property::CONDITIONS.map(Property::name);
+    let broken =
+        rows.iter().find(|row| row.property.as_deref().is_some_and(|p| names.contains(&p)));
+    let Some(message) = broken.map(|row| row.message.clone()) else { return };
+    let trusted = |row: &&mut Finding| matches!(row.verdict, Verdict::Verified | Verdict::Sampled);
+    for row in rows.iter_mut().filter(trusted) {
+        row.verdict = Verdict::Unknown;
+        row.message.clone_from(&message);
+    }
 }
 
 /// Every sequentially consistent execution is also one of relaxed memory: what is violated there is violated here, and
@@ -353,6 +460,7 @@ pub fn inherit(rows: &mut [Finding]) {
         };
         *row = Finding {
             bound: std::mem::take(&mut row.bound),
+            scope: std::mem::take(&mut row.scope),
             memory: std::mem::take(&mut row.memory),
             profile: row.profile.take(),
             message: format!("as under {sequential}: {}", known.message),
@@ -375,7 +483,7 @@ pub fn termination(subject: &Subject, plan: &Plan, limits: &Limits<'_>) -> Vec<F
     let n = plan.fragments.unwrap_or(MOST_PROGRESS).min(MOST_PROGRESS);
     let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
     let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
-    let survey = Survey::new(subject, &family, conditions, limits);
+    let survey = Survey::of(subject, &family, conditions, false, limits);
     let instances = || survey.explored.iter().map(|(litmus, _)| litmus.clone()).collect();
     if survey.is_complete() && !survey.explored.iter().any(|(_, e)| e.cyclic) {
         return names.into_iter().map(|name| survey.ends(name)).collect();
@@ -426,8 +534,8 @@ impl<'a> Endings<'a> {
     ) -> Self {
         let subject = &survey.subject;
         let explore = |litmus: Litmus| {
-            let found = progress::explore(&subject.case(&litmus), warp, limits);
-            (litmus, found)
+            let found = guarded(|| progress::explore(&subject.case(&litmus), warp, limits));
+            (litmus, found.ok().flatten())
         };
         Self { survey, warp, all: instances.into_par_iter().map(explore).collect() }
     }
@@ -452,7 +560,14 @@ impl<'a> Endings<'a> {
                     witness(subject, property, litmus, conditions, schedule, &message);
             }
             None if complete => row.verdict = Verdict::Verified,
-            None => row.message = "a bound was hit before all states were explored".to_owned(),
+            None => {
+                row.message = match self.survey.stopped() {
+                    Some((litmus, stopped)) => format!("{stopped}; on {}", litmus.describe()),
+                    None => "there are more states than --max-states, which also count who has moved: raise it, or \
+                             lower -n"
+                        .to_owned(),
+                }
+            }
         }
         row
     }

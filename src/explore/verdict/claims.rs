@@ -1,10 +1,12 @@
 //! The papers' claims, stated so that a machine can decide them. Verdicts are computed, never recorded.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::check::{self, Survey};
 use super::plan::Plan;
-use super::{Finding, Verdict};
+use super::{Finding, Scope, Verdict};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::explore::program::instances::Family;
@@ -262,13 +264,9 @@ impl Claim {
                 };
                 let family = Family { fragments: n, ks, helpers: plan.helpers };
                 let conditions = Conditions { memory, warp: None };
-                let mut survey = Survey::new(&subject, &family, conditions, limits);
-                if self.ks == Ks::Ends {
-                    // The end values of k alone do not reach all of a method.
-                    let all = Family { ks: plan.ks.clone(), ..family };
-                    survey.reached_elsewhere =
-                        Survey::new(&subject, &all, conditions, limits).reached();
-                }
+                let survey = Survey::new(&subject, &family, conditions, limits);
+                // A claim is about what holds within its bound, not about all of the method's code.
+                let survey = Survey { missed: BTreeMap::new(), ..survey };
                 rows.push(self.row(&survey, &check::properties(&subject, memory)));
             }
         }
@@ -299,10 +297,12 @@ impl Claim {
         Finding {
             method: String::new(),
             property: None,
+            found: None,
             claim: Some(self.id.to_owned()),
             verdict: Verdict::Unknown,
             exhaustive: false,
             bound: String::new(),
+            scope: Scope::default(),
             memory: String::new(),
             profile: None,
             progress: None,

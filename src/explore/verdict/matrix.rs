@@ -8,23 +8,26 @@
 use serde::Serialize;
 
 use super::Verdict;
+use super::beyond;
 use super::check::{self, Survey};
 use super::plan::Plan;
 use crate::catalogue::Catalogue;
-use crate::catalogue::faults::MUTATIONS;
+use crate::catalogue::faults::{MUTATIONS, Mutation};
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{MemoryModel, Profile};
+use crate::explore::program::controls;
 use crate::explore::program::instances::Family;
+use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::exhaustive::{Explored, Limits};
 use crate::explore::search::property::Property;
 use crate::scheme::contract::Form;
 
 /// The result of a check on a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Kill {
-    /// The check: `sc`, `progress`, `simt`, `relaxed` or `race`.
+    /// The check: `sc`, `progress`, `simt`, `relaxed`, `race` or `random`.
     pub check: &'static str,
     /// The property that fails.
     pub property: &'static str,
@@ -113,25 +116,33 @@ pub fn matrix(
         for method in catalogue.promised().filter(|m| m.contract().form == Form::Correct) {
             lines.push(control(&Subject::new(method)?, plan, limits));
         }
+        for name in controls::GREEN {
+            lines.push(control(&controls::find(catalogue, "METHOD", name)?, plan, limits));
+        }
     }
-    let chosen = MUTATIONS.iter().filter(|m| only.is_none_or(|id| m.id.eq_ignore_ascii_case(id)));
+    let chosen = faults().filter(|m| only.is_none_or(|id| m.id.eq_ignore_ascii_case(id)));
     for mutation in chosen {
         for variant in mutation.variants {
-            let subject = Subject::new(catalogue.find("METHOD", variant)?)?;
+            let subject = controls::find(catalogue, "METHOD", variant)?;
             lines.push(fault(catalogue, mutation.id, &subject, plan, limits)?);
         }
     }
     Ok(lines)
 }
 
+/// All faults, of the catalogue and of the controls.
+fn faults() -> impl Iterator<Item = &'static Mutation> {
+    MUTATIONS.iter().chain(controls::CONTROLS)
+}
+
 /// Whether a method has the fault of that id.
 fn built_in(id: &str) -> Result<()> {
-    let known = MUTATIONS.iter().find(|m| m.id.eq_ignore_ascii_case(id));
+    let known = faults().find(|m| m.id.eq_ignore_ascii_case(id));
     match known.map(|mutation| mutation.absent) {
         Some(None) => Ok(()),
         Some(Some(why)) => Err(Error::new("--mutation", format!("no method has {id}: {why}"))),
         None => {
-            let ids: Vec<&str> = MUTATIONS.iter().map(|m| m.id).collect();
+            let ids: Vec<&str> = faults().map(|m| m.id).collect();
             let problem = format!("no fault is called {id:?}; there are {}", ids.join(", "));
             Err(Error::new("--mutation", problem))
         }
@@ -161,7 +172,7 @@ fn fault(
     if !examined.kills.is_empty() {
         return Ok(examined.line(id, Fate::Killed));
     }
-    let base = Subject::new(catalogue.find("METHOD", subject.contract.base_name())?)?;
+    let base = controls::find(catalogue, "METHOD", subject.contract.base_name())?;
     let without = Examined::new(&base, plan, limits);
     let fate = match (examined.complete && without.complete, examined.equals(&without)) {
         (true, true) => Fate::Equivalent,
@@ -186,7 +197,33 @@ impl Examined {
         examined.results("sc", MemoryModel::Sequential, plan, limits);
         examined.endings(plan, limits);
         examined.results("relaxed", MemoryModel::Relaxed(Profile::Vulkan), plan, limits);
+        examined.random(plan, limits);
         examined
+    }
+
+    /// What random runs find: of a fault that nothing else has caught.
+    fn random(&mut self, plan: &Plan, limits: &Limits<'_>) {
+        if plan.runs == 0 || !self.kills.is_empty() {
+            return;
+        }
+        let row = beyond::row(&self.subject, plan.seed, plan.runs, limits);
+        match row.verdict {
+            Verdict::Violated => self.kills.push(Kill {
+                check: "random",
+                property: Property::ALL
+                    .into_iter()
+                    .map(Property::name)
+                    .find(|name| row.found.as_deref() == Some(name))
+                    .unwrap_or(beyond::NAME),
+                instance: row.instance,
+                steps: row.steps.unwrap_or(0),
+                executions: row.executions,
+                states: 0,
+                token: row.token,
+            }),
+            Verdict::Unknown => self.complete = false,
+            Verdict::Verified | Verdict::Sampled => {}
+        }
     }
 
     fn results(
@@ -205,6 +242,7 @@ impl Examined {
         let survey = Survey::new(&self.subject, &family, conditions, limits);
         self.complete &= survey.is_complete();
         let properties = check::properties(&self.subject, memory).into_iter();
+        let properties = properties.chain(Property::CONDITIONS);
         let is_race = |p: Property| p == Property::RaceFree;
         let first = properties
             .filter_map(|p| Some((p, survey.violation(p)?)))
@@ -220,6 +258,18 @@ impl Examined {
                 executions: explored.executions.and_then(|n| u64::try_from(n).ok()),
                 states: explored.states as u64,
                 token: survey.row(property).token,
+            });
+        }
+        // An invocation that does not end has no schedule to show: the search says where it gave up.
+        if let Some((litmus, explored)) = survey.endless() {
+            self.kills.push(Kill {
+                check,
+                property: "endless",
+                instance: litmus.describe(),
+                steps: 0,
+                executions: None,
+                states: explored.states as u64,
+                token: None,
             });
         }
         self.surveys.push(survey);
@@ -241,20 +291,26 @@ impl Examined {
                     token: row.token,
                 }),
                 Verdict::Unknown => self.complete = false,
-                Verdict::Verified => {}
+                Verdict::Verified | Verdict::Sampled => {}
             }
         }
     }
 
     /// Whether both have the same outcomes on every instance, under every memory model.
     fn equals(&self, other: &Self) -> bool {
+        type All = [(Litmus, Explored)];
+        let same = |a: &All, b: &All| {
+            let pairs = a.iter().zip(b);
+            let equal = |((la, ea), (lb, eb)): (&(Litmus, Explored), &(Litmus, Explored))| {
+                la == lb && ea.outcomes.keys().eq(eb.outcomes.keys())
+            };
+            a.len() == b.len() && pairs.into_iter().all(equal)
+        };
+        let surveys = self.surveys.iter().zip(&other.surveys);
         self.surveys.len() == other.surveys.len()
-            && self.surveys.iter().zip(&other.surveys).all(|(a, b)| {
-                a.explored.len() == b.explored.len()
-                    && a.explored.iter().zip(&b.explored).all(|((la, ea), (lb, eb))| {
-                        la == lb && ea.outcomes.keys().eq(eb.outcomes.keys())
-                    })
-            })
+            && surveys
+                .into_iter()
+                .all(|(a, b)| same(&a.explored, &b.explored) && same(&a.ordered, &b.ordered))
     }
 
     fn line(self, mutation: &str, fate: Fate) -> Line {

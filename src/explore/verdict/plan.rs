@@ -20,6 +20,10 @@ pub struct Plan {
     pub simt: bool,
     /// Helper invocations next to the first fragments.
     pub helpers: u32,
+    /// Random runs of instances with more fragments; 0 for none.
+    pub runs: u64,
+    /// The seed of the first of them.
+    pub seed: u64,
 }
 
 impl Default for Plan {
@@ -31,6 +35,8 @@ impl Default for Plan {
             progress: None,
             simt: true,
             helpers: 0,
+            runs: 400,
+            seed: 0,
         }
     }
 }
