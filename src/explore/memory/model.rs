@@ -4,14 +4,14 @@
 //! explorer loads a state, performs one operation in one of its alternatives, and stores the state that follows.
 
 use crate::memory::asked::Action;
-use crate::memory::{Access, Order};
+use crate::memory::{Access, Order, Update};
 
 /// How memory behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MemoryModel {
     /// Sequential consistency: an operation is a step, and all invocations see the same order of steps.
     Sequential,
-    /// Release and acquire without load buffering and 2+2W: see `relaxed`.
+    /// Release and acquire without load buffering: see `relaxed`.
     Relaxed(Profile),
 }
 
@@ -51,7 +51,7 @@ impl MemoryModel {
     pub fn bound(self) -> &'static str {
         match self {
             Self::Sequential => "sequentially consistent",
-            Self::Relaxed(_) => "relaxed, without load buffering, 2+2W and S",
+            Self::Relaxed(_) => "relaxed, without load buffering",
         }
     }
 }
@@ -143,6 +143,17 @@ pub(in crate::explore) trait Model {
     /// The race that the last operation was part of.
     fn race(&self) -> Option<Race>;
 
+    /// Whether the last operation put a value into its word's order that is less than the one before it, or more than
+    /// the one behind it. Where writes are only ever appended, the values of the word tell that.
+    fn descends(&self) -> bool {
+        false
+    }
+
+    /// Whether there was no room for the last operation: it was not performed, and nothing follows from it.
+    fn lost(&self) -> bool {
+        false
+    }
+
     /// Whether an operation was ever left out for lack of room: the exploration is then incomplete.
     fn full(&self) -> bool {
         false
@@ -171,5 +182,14 @@ pub(in crate::explore) fn order_of(action: Action) -> Option<Order> {
         | Action::Write(_, Access::Atomic(order))
         | Action::Update(_, order) => Some(order),
         Action::Read(Access::Plain) | Action::Write(_, Access::Plain) => None,
+    }
+}
+
+/// Whether an operation that read this value writes: a compare-exchange that fails does not.
+pub(in crate::explore) fn writes(action: Action, read: u64) -> bool {
+    match action {
+        Action::Read(_) => false,
+        Action::Update(Update::CompareExchange { expected, .. }, _) => expected == read,
+        Action::Write(..) | Action::Update(..) => true,
     }
 }

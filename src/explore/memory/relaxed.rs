@@ -1,5 +1,5 @@
-//! Relaxed memory by messages and views: the promising semantics without promises, in which a write takes its place
-//! in its word's order when it is performed.
+//! Relaxed memory by messages and views: the promising semantics without promises. A write takes any place in its
+//! word's order behind what its invocation has seen.
 //!
 //! A word is a list of messages in its coherence order, oldest first. An invocation sees it from some message on.
 //!
@@ -7,53 +7,66 @@
 //! view        for every word the oldest message that may still be read, and a vector clock
 //! invocation  cur: what it has seen; acq: what a barrier would let it see; rel: what it had seen at its last barrier
 //! load        any message from cur on; an acquire load joins the message's view to cur, any load to acq
-//! store       appends; the message's view is cur for a release store, else rel, and the message itself
-//! update      reads the last message, appends one with that message's view too (release sequence); one that leaves the
-//!             value as it is appends nothing unless its view says more, which keeps a spin lock finite
-//! compare-exchange  an update if the last message is as expected; or a load of any message that is not
+//! store       directly behind any message from cur on that no update has read; the message's view is cur for a
+//!             release store, else rel, and the message itself
+//! update      reads any message from cur on that no update has read, and puts one directly behind it, attached to it,
+//!             with that message's view too (release sequence); one that leaves the value as it is puts none there
+//!             unless its view says more, which keeps a spin lock finite
+//! compare-exchange  an update of a message that is as expected; or a load of any message that is not
 //! barrier     as acquire: joins acq to cur; as release: sets rel to cur
 //! plain       as relaxed; a race, if an earlier access is unordered, one of both writes and one is plain
 //! ```
 //!
-//! State: `messages` (value, unwritten or not, view); `threads` (`cur`, and with barriers `acq` and `rel`);
-//! `accesses` (each invocation's clock at its last access to each word, by kind). A slice is the bytes of these three
-//! in canonical form ([`Canonical`]): messages that no live invocation may read any more are dropped and the rest
+//! State: `messages` (value, unwritten or not, attached or not, view); `threads` (`cur`, and with barriers `acq` and
+//! `rel`); `accesses` (each invocation's clock at its last access to each word, by kind). A slice is the bytes of these
+//! three in canonical form ([`Canonical`]): messages that no live invocation may read any more are dropped and the rest
 //! renumbered; views of ended invocations are forgotten; clocks keep the order of accesses that may still race, and
 //! nothing else. Equal slices are one state. States that behave alike may have different slices: that costs states,
 //! not results.
 //!
 //! Invariants, between operations:
 //!
-//! 1. A word's order grows at its end only. A message's view names the message itself.
-//! 2. An invocation's `cur` only grows, and its reads start there. So each word alone is coherent.
+//! 1. Messages never change places among themselves. Nothing comes between an attached message and the one before it,
+//!    which its update read. A message's view names the message itself.
+//! 2. An invocation's `cur` only grows, and its reads and writes start there. So each word alone is coherent.
 //! 3. A live invocation's clock, in its own `cur`, exceeds its clock in any other view: it is raised after each
 //!    release.
 //! 4. If the `cur` of u knows the clock of t up to w, the accesses of t at clock w or before happen before what u
-//!    does next. The converse holds too, but for updates that append nothing (`says_more`).
+//!    does next. The converse holds too, but for updates that put no message there (`says_more`).
 //!
-//! Why it is sound: a message is there before it is read, so the order of a run contains program order, reads-from
-//! and coherence order. Joins pass on what happened before, and by 2 no read contradicts it: a run is an execution of
-//! C++20, with the orders and barriers that the profile leaves. Conversely, if these three orders have no cycle in
-//! such an execution, every sequence that contains them is a run. An update that appends nothing hides no result:
-//! what it read is the last message, has the same value, and lets its readers see as much. A state and its canonical
-//! form have the same alternatives, results and races, and lead to states that are alike again (a bisimulation).
+//! Why it is sound: a message is there before it is read, so the order of a run contains program order and reads-from.
+//! Joins pass on what happened before. By 2 no read contradicts it, and no write comes before what its invocation has
+//! written, read or learned of; by 1 updates are atomic. So a run is an execution of C++20, with the orders and
+//! barriers that the profile leaves. Conversely, if program order and reads-from have no cycle in such an execution,
+//! every sequence that contains them is a run: each write takes its place in the coherence order among those that are
+//! there. Coherence puts that behind what its invocation has seen, and atomicity never behind a message that an update
+//! has read already.
 //!
-//! Left out: executions in which program order, reads-from and coherence order have a cycle: load buffering, 2+2W, S
-//! (`tests/memory_model.rs` lists them). Besides: sequentially consistent operations, scopes, mixed sizes, torn
-//! accesses, availability and visibility as separate steps. An unwritten word has one of a few candidate values. At
-//! [`MOST_MESSAGES`] a write is lost, and what follows is no execution; `full` then says that the search was not
-//! complete. A compare-exchange that fails counts as a write: where a word has plain accesses too, that can be called
-//! a race that is none.
+//! An update that puts no message there hides no result, and adds none. Say it read m, and its message would be m'.
+//! Given a run without m', put it in, directly behind m, where nothing was attached: what reads m from then on, reads
+//! m', and what is placed behind m, stands behind m'. The value is the same, and so is the view, but for the updater's
+//! own clock and for m' in place of m; nobody could tell it from m. Given a run with m', leave it out: what reads m'
+//! reads m, what is placed behind m' is placed behind m, and the views of those that know m' are as before or know
+//! less; so all of it is still allowed. It does not matter whether m is the last message, or what comes behind it
+//! later.
+//!
+//! A state and its canonical form have the same alternatives, results and races, and lead to states that are alike
+//! again (a bisimulation).
+//!
+//! Left out: executions in which program order and reads-from have a cycle: load buffering. Besides: sequentially
+//! consistent operations, scopes, mixed sizes, torn accesses, availability and visibility as separate steps. An
+//! unwritten word has one of a few candidate values. Where a word would have more than [`MOST_MESSAGES`] messages or
+//! a clock would not fit, the operation is not performed: `lost` says so, and nothing may follow; `full` then says
+//! that the search was not complete.
 //!
 //! Published: messages, views, and cur, acq and rel are those of Kang et al., "A promising semantics for
-//! relaxed-memory concurrency" (POPL 2017), without promises, and with each new timestamp the greatest of its word.
-//! There and in RC11 (Lahav et al., PLDI 2017) an invocation's own later stores continue its release sequence; here,
-//! as in C++20 (P0982R1), only updates do. That coherence orders and the order of execution agree is strong
-//! release/acquire: Lahav, Giannarakis and Vafeiadis, "Taming release-acquire consistency" (POPL 2016). Clocks in
-//! messages and at barriers: Lidbury and Donaldson, "Dynamic race detection for C++11" (POPL 2017). Clocks of
-//! accesses: DJIT+ (Pozniansky and Schuster, PPOPP 2003), here by plain and atomic too.
+//! relaxed-memory concurrency" (POPL 2017), without promises; attached messages are those with adjacent timestamps.
+//! What is left is RC11 without sequentially consistent operations: Lahav et al., "Repairing sequential consistency in
+//! C/C++11" (PLDI 2017). In both, an invocation's own later stores continue its release sequence; here, as in C++20
+//! (P0982R1), only updates do. Clocks in messages and at barriers: Lidbury and Donaldson, "Dynamic race detection for
+//! C++11" (POPL 2017). Clocks of accesses: DJIT+ (Pozniansky and Schuster, PPOPP 2003), here by plain and atomic too.
 
-use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of};
+use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of, writes};
 use crate::memory::asked::Action;
 use crate::memory::{Numbering, Order, Update};
 
@@ -82,19 +95,27 @@ pub(super) struct Relaxed {
     accesses: Vec<[u8; KINDS]>,
     /// The race that the last operation was part of. Not part of the state.
     race: Option<Race>,
-    /// A word had no room for one more message, at any time. Not part of the state: it is never taken back.
+    /// The last operation wrote less than the message before it has, or more than the one behind it. Not part of the
+    /// state.
+    descends: bool,
+    /// There was no room for what the last operation does. Not part of the state: none follows.
+    lost: bool,
+    /// The same of any operation so far. Not part of the state: it is never taken back.
     full: bool,
 }
 
 /// Messages of a word, at most: an invocation that waits and writes may make them without end. An index fits a byte.
 const MOST_MESSAGES: usize = 250;
 
-/// A write, as its readers find it. Its timestamp is its place in its cell's list.
+/// A write, as its readers find it. Its timestamp is its place in its cell's list, and changes when another is put
+/// before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
     value: u64,
     /// It has not been written, and not been read: its value is still open. Only a cell's first message can be so.
     unwritten: bool,
+    /// An update wrote it, which read the message directly before it. Nothing may come between.
+    attached: bool,
     /// What an acquire that reads it comes to see.
     view: View,
 }
@@ -143,7 +164,8 @@ fn threads(empty: &View) -> Vec<Thread> {
     (0..empty.clock.len()).map(thread).collect()
 }
 
-/// What an operation reads: a message, and the value it gets if it is unwritten.
+/// What an operation reads: a message, and the value it gets if it is unwritten. For a write, the message that it is
+/// put behind.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     /// Its place in its cell's list.
@@ -166,7 +188,7 @@ impl Relaxed {
                 Initial::Written(value) => (value, false),
                 Initial::Unwritten => (0, true),
             };
-            vec![Message { value, unwritten, view: empty.clone() }]
+            vec![Message { value, unwritten, attached: false, view: empty.clone() }]
         };
         Self {
             profile,
@@ -177,6 +199,8 @@ impl Relaxed {
             threads: threads(&empty),
             accesses: vec![[0; KINDS]; initial.len() * invocations],
             race: None,
+            descends: false,
+            lost: false,
             full: false,
         }
     }
@@ -203,58 +227,92 @@ impl Relaxed {
         }
     }
 
-    /// Everything that an operation may read. The order depends on the state alone: an alternative is an index into
-    /// it.
+    /// Whether a message may be put directly behind this one: no update has read it.
+    fn is_open(&self, cell: usize, message: usize) -> bool {
+        self.messages[cell].get(message + 1).is_none_or(|next| !next.attached)
+    }
+
+    /// Everything that an operation may read, or be put behind. The order depends on the state alone: an alternative
+    /// is an index into it. The end of the word's order is where sequential consistency goes, so writes and updates
+    /// have it first.
     fn choices(&self, invocation: usize, cell: usize, action: Action) -> Vec<Choice> {
         let first = usize::from(self.threads[invocation].cur.from[cell]);
         let last = self.messages[cell].len() - 1;
-        let mut choices: Vec<Choice> = match action {
-            // A write has one way to go: to the end. Kang et al. also allow a place between older messages.
-            Action::Write(..) => return vec![Choice { message: last, candidate: 0 }],
-            Action::Read(_) => (first..=last).flat_map(|m| self.choices_of(cell, m)).collect(),
-            // Its message must come directly after the one it reads, and messages are appended: it reads the last.
-            Action::Update(..) => self.choices_of(cell, last).collect(),
-        };
-        // A compare-exchange that fails is a load: it may read an older message.
-        if let Action::Update(Update::CompareExchange { expected, .. }, _) = action {
-            let stale = (first..last).flat_map(|m| self.choices_of(cell, m));
-            choices.extend(stale.filter(|&c| self.value(cell, c) != expected));
+        let older = || (first..last).rev().filter(|&m| self.is_open(cell, m));
+        let readable = |m| self.choices_of(cell, m);
+        match action {
+            Action::Write(..) => {
+                let behind = std::iter::once(last).chain(older());
+                behind.map(|message| Choice { message, candidate: 0 }).collect()
+            }
+            Action::Read(_) => (first..=last).flat_map(readable).collect(),
+            // One that fails is a load: it may read any message.
+            Action::Update(Update::CompareExchange { expected, .. }, _) => {
+                let is = |choice: &Choice| self.value(cell, *choice) == expected;
+                let stale = (first..last).flat_map(readable).filter(|choice| !is(choice));
+                let found = older().flat_map(readable).filter(is);
+                self.choices_of(cell, last).chain(stale).chain(found).collect()
+            }
+            Action::Update(..) => std::iter::once(last).chain(older()).flat_map(readable).collect(),
         }
-        choices
     }
 
-    /// Append a message. `read` is the one that an update read.
-    fn append(
+    /// Put a message directly behind the one at `before`; `attached`, if an update does it that has read that one.
+    fn put(
         &mut self,
         invocation: usize,
         cell: usize,
+        before: usize,
         value: u64,
         releases: bool,
-        read: Option<usize>,
+        attached: bool,
     ) {
-        let index = self.messages[cell].len();
-        if index == MOST_MESSAGES {
-            // The write is lost, so that what follows is no execution; the search is no longer complete.
-            self.full = true;
+        let messages = &self.messages[cell];
+        if messages.len() == MOST_MESSAGES {
+            self.lose();
             return;
         }
         let thread = &self.threads[invocation];
         let mut view = if releases { thread.cur.clone() } else { thread.rel.clone() };
         // An update continues the release sequences of what it read, whatever its own order.
-        if let Some(read) = read {
-            view.join(&self.messages[cell][read].view);
+        if attached {
+            view.join(&messages[before].view);
+        }
+        let index = before + 1;
+        let exceeds = |a: Option<&Message>, b| a.is_some_and(|a| !a.unwritten && a.value > b);
+        self.descends = exceeds(messages.get(before), value)
+            || messages.get(index).is_some_and(|next| next.value < value);
+        if index < messages.len() {
+            self.renumber(cell, index);
         }
         view.from[cell] = index as u8;
-        self.messages[cell].push(Message { value, unwritten: false, view });
+        let message = Message { value, unwritten: false, attached, view };
+        self.messages[cell].insert(index, message);
         self.threads[invocation].cur.from[cell] = index as u8;
+    }
+
+    /// Make room for a message: the one that is at `index` and those behind it go up by one, wherever a view names
+    /// them.
+    fn renumber(&mut self, cell: usize, index: usize) {
+        let threads = self.threads.iter_mut().flat_map(|t| [&mut t.cur, &mut t.acq, &mut t.rel]);
+        let messages = self.messages.iter_mut().flatten().map(|message| &mut message.view);
+        for view in threads.chain(messages) {
+            let from = &mut view.from[cell];
+            *from += u8::from(usize::from(*from) >= index);
+        }
+    }
+
+    /// There is no room for what the operation does: it must not count as performed.
+    fn lose(&mut self) {
+        (self.lost, self.full) = (true, true);
     }
 
     /// Whether an update that leaves the value as it is would tell its readers more than the message it read does: of
     /// other words, or of plain accesses. Its own accesses to atomic words do not count, or else an exchange that
     /// releases could never be waited with; an alarm that this adds needs plain and atomic accesses to one word.
     ///
-    /// If it says no more, it need not be appended: a reader of the older message gets the same value and sees as
-    /// much of every word. Only the updater's clock may be behind, by atomic accesses of its own.
+    /// If it says no more, no message is needed: a reader of the older one gets the same value and sees as much of
+    /// every word. Only the updater's clock may be behind, by atomic accesses of its own.
     fn says_more(&self, invocation: usize, cell: usize, read: usize, releases: bool) -> bool {
         let thread = &self.threads[invocation];
         let own = if releases { &thread.cur } else { &thread.rel };
@@ -287,7 +345,10 @@ impl Relaxed {
     /// Raise an invocation's clock, after a release: what it does from now on is not released by it (3).
     fn tick(&mut self, invocation: usize) {
         let clock = &mut self.threads[invocation].cur.clock[invocation];
-        *clock = clock.checked_add(1).expect("canonical clocks stay small");
+        match clock.checked_add(1) {
+            Some(next) => *clock = next,
+            None => self.lose(),
+        }
     }
 
     /// Record an access; is there an earlier one that it races with?
@@ -336,10 +397,12 @@ impl Model for Relaxed {
             list.resize_with(count, || Message {
                 value: 0,
                 unwritten: false,
+                attached: false,
                 view: View::new(cells, invocations),
             });
             for message in list {
-                message.unwritten = byte() != 0;
+                let flags = byte();
+                (message.unwritten, message.attached) = (flags & 1 != 0, flags & 2 != 0);
                 let value: [u8; 8] =
                     std::array::from_fn(
                         |i| if i < self.bits[cell] as usize / 8 { byte() } else { 0 },
@@ -358,7 +421,7 @@ impl Model for Relaxed {
         for access in &mut self.accesses {
             access.iter_mut().for_each(|time| *time = byte());
         }
-        self.race = None;
+        (self.race, self.descends, self.lost) = (None, false, false);
     }
 
     fn alternatives(&mut self, invocation: usize, cell: u32, action: Action) -> usize {
@@ -369,7 +432,7 @@ impl Model for Relaxed {
     }
 
     fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64 {
-        self.race = None;
+        (self.race, self.descends, self.lost) = (None, false, false);
         if cell == Numbering::OUTSIDE {
             return 0;
         }
@@ -394,7 +457,8 @@ impl Model for Relaxed {
         let mut result = 0;
         if let Action::Write(value, _) = action {
             self.access(invocation, cell, true, plain);
-            self.append(invocation, cell, cut(value, self.bits[cell]), releases, None);
+            let value = cut(value, self.bits[cell]);
+            self.put(invocation, cell, choice.message, value, releases, false);
         } else {
             result = self.value(cell, choice);
             // From its first read on, an unwritten word has this value for all.
@@ -402,18 +466,15 @@ impl Model for Relaxed {
             (message.value, message.unwritten) = (result, false);
             // First what an acquire learns: it is ordered after the releases that it reads.
             self.read(invocation, cell, choice.message, acquires);
-            self.access(invocation, cell, matches!(action, Action::Update(..)), plain);
-            if let Action::Update(update, _) = action {
+            // A compare-exchange that fails is a load.
+            let writes = writes(action, result);
+            self.access(invocation, cell, writes, plain);
+            if let Action::Update(update, _) = action
+                && writes
+            {
                 let new = cut(update.apply(result), self.bits[cell]);
-                let is_last = choice.message + 1 == self.messages[cell].len();
-                // A compare-exchange may fail on the last message, too. It is then a load, whatever its view would
-                // say.
-                let fails = matches!(update, Update::CompareExchange { expected, .. } if expected != result);
-                if is_last
-                    && !fails
-                    && (new != result || self.says_more(invocation, cell, choice.message, releases))
-                {
-                    self.append(invocation, cell, new, releases, Some(choice.message));
+                if new != result || self.says_more(invocation, cell, choice.message, releases) {
+                    self.put(invocation, cell, choice.message, new, releases, true);
                 }
             }
         }
@@ -433,6 +494,14 @@ impl Model for Relaxed {
         self.race
     }
 
+    fn descends(&self) -> bool {
+        self.descends
+    }
+
+    fn lost(&self) -> bool {
+        self.lost
+    }
+
     fn full(&self) -> bool {
         self.full
     }
@@ -447,6 +516,7 @@ impl Model for Relaxed {
         let empty = View::new(self.messages.len(), self.invocations);
         for messages in &mut self.messages {
             messages.drain(..messages.len() - 1);
+            messages[0].attached = false;
             messages[0].view.clone_from(&empty);
         }
         for (&cell, &value) in written {
@@ -468,7 +538,8 @@ impl Model for Relaxed {
 /// for:
 ///
 /// - Messages below `base`: every live invocation has its `cur` at or above it, and none begins before the next
-///   barrier. Where a view names one, joining it changes no `cur`; 0 stands for all of these.
+///   barrier. Where a view names one, joining it changes no `cur`; 0 stands for all of these. Nothing is put before
+///   the message at `base` any more, so it does not matter whether it is attached.
 /// - Views of ended invocations. What they have released is in messages.
 /// - Accesses that happened before what every other live invocation does next: clocks only grow, so they race no
 ///   more.
@@ -535,8 +606,9 @@ impl<'a> Canonical<'a> {
         for (cell, messages) in self.state.messages.iter().enumerate() {
             let kept = &messages[usize::from(self.base[cell])..];
             bytes.push(kept.len() as u8);
-            for message in kept {
-                bytes.push(u8::from(message.unwritten));
+            for (i, message) in kept.iter().enumerate() {
+                let attached = message.attached && i > 0;
+                bytes.push(u8::from(message.unwritten) | u8::from(attached) << 1);
                 let width = self.state.bits[cell] as usize / 8;
                 bytes.extend_from_slice(&message.value.to_le_bytes()[..width]);
                 self.view(&message.view, &mut bytes);
