@@ -150,6 +150,8 @@ pub(in crate::explore) struct Moved {
     pub(in crate::explore) race: Option<Race>,
     /// No state follows: the invocation has panicked.
     pub(in crate::explore) is_last: bool,
+    /// Memory had no room for the operation: it was not performed, and no state follows.
+    pub(in crate::explore) lost: bool,
 }
 
 /// How a finished run ended.
@@ -434,17 +436,21 @@ impl<'a> Machine<'a> {
                 let grows = self.growing.get(cell as usize).is_some_and(|&grows| grows)
                     && self.storing[self.at.stage as usize]
                     && !matches!(action, Action::Read(_));
-                // Under relaxed memory, the values of a word's last messages are compared.
+                // Under relaxed memory these are a word's last messages; a write may also come before others.
                 let before = if grows { self.model.settled(cell) } else { None };
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
-                shrunk = grows && self.model.settled(cell) < before;
+                shrunk =
+                    grows && (self.model.settled(cell) < before || self.model.descends());
                 // What a helper reads has no effect, so that it is no race either. The model reports one race at a
                 // time: a further one, with a higher invocation, is lost with it.
                 race = self.model.race().filter(|race| !self.is_helper(race.other));
             }
         }
         if matches!(step, Step::Panics(_)) {
-            return Moved { node, result, fault, race, is_last: true };
+            return Moved { node, result, fault, race, is_last: true, lost: false };
+        }
+        if self.model.lost() {
+            return Moved { node, result: 0, fault: None, race: None, is_last: false, lost: true };
         }
         let node = self.forest.child(node, result);
         // An end has no move of its own, so its fault belongs to the move that leads there.
@@ -455,7 +461,7 @@ impl<'a> Machine<'a> {
         let fault = fault.or(shrunk.then_some(Fault::Shrinks));
         // What a helper does to a lock has no effect, and what it believes to hold it does not.
         let fault = fault.filter(|f| *f == Fault::Outside || !self.is_helper(invocation));
-        Moved { node, result, fault, race, is_last: false }
+        Moved { node, result, fault, race, is_last: false, lost: false }
     }
 
     /// A fault of an invocation that stands at `node` in words.

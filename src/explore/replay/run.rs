@@ -1,7 +1,7 @@
 //! Running a schedule, step by step, recording everything that happens.
 
 use crate::error::{Error, Result};
-use crate::explore::memory::model::Race;
+use crate::explore::memory::model::{self, Race};
 use crate::explore::program::case::Case;
 use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
@@ -114,6 +114,9 @@ impl<'a> Runner<'a> {
             return None;
         }
         let moved = self.machine.perform(node, by);
+        if moved.lost {
+            return None;
+        }
         self.is_over = moved.is_last;
         let wrong = self.wrong(node, by, moved);
         let mut event = Event {
@@ -166,8 +169,8 @@ impl<'a> Runner<'a> {
         let name = self.machine.numbering().address(race.cell);
         let matches = |event: &&Event| {
             let Some((at, action)) = event.operation else { return false };
-            let writes = !matches!(action, Action::Read(_));
-            let plain = crate::explore::memory::model::order_of(action).is_none();
+            let writes = model::writes(action, event.result);
+            let plain = model::order_of(action).is_none();
             usize::from(event.by.invocation) == race.other
                 && at == name
                 && writes == race.other_writes
@@ -250,13 +253,13 @@ impl<'a> Runner<'a> {
     }
 
     /// Whether some continuation from the present state ends with nothing wrong: with the expected lists, and with none
-    /// of the faults that the explorer knows. `None` beyond the limit of states.
+    /// of the faults that the explorer knows. `None` beyond the limit of states, or of what memory has room for.
     pub(in crate::explore) fn can_still_be_right(&mut self, limits: &Limits<'_>) -> Option<bool> {
         let mut space = Space::new();
         let start = self.state.clone();
         let count = self.nodes.len();
         space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
-        let mut at = 0;
+        let (mut at, mut lost) = (0, false);
         while at < space.len() {
             if space.len() > limits.states {
                 return None;
@@ -276,7 +279,8 @@ impl<'a> Runner<'a> {
                     self.machine.load(&state);
                     let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
-                    if moved.is_last {
+                    lost |= moved.lost;
+                    if moved.lost || moved.is_last {
                         continue;
                     }
                     let mut next = state[..self.machine.head()].to_vec();
@@ -287,7 +291,7 @@ impl<'a> Runner<'a> {
             }
             at += 1;
         }
-        Some(false)
+        (!lost).then_some(false)
     }
 }
 

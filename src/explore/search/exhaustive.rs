@@ -379,8 +379,10 @@ impl<'a> Search<'a> {
                 }
                 let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                 let moved = self.machine.perform(nodes[invocation], by);
-                self.judge_move(id, nodes[invocation], by, moved);
-                if !moved.is_last {
+                if !moved.lost {
+                    self.judge_move(id, nodes[invocation], by, moved);
+                }
+                if !moved.lost && !moved.is_last {
                     self.follow(id, state, by, moved, next);
                 }
                 alternative += 1;
