@@ -439,8 +439,7 @@ impl<'a> Machine<'a> {
                 // Under relaxed memory these are a word's last messages; a write may also come before others.
                 let before = if grows { self.model.settled(cell) } else { None };
                 result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
-                shrunk =
-                    grows && (self.model.settled(cell) < before || self.model.descends());
+                shrunk = grows && (self.model.settled(cell) < before || self.model.descends());
                 // What a helper reads has no effect, so that it is no race either. The model reports one race at a
                 // time: a further one, with a higher invocation, is lost with it.
                 race = self.model.race().filter(|race| !self.is_helper(race.other));
