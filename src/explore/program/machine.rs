@@ -29,14 +29,15 @@
 //!
 //! Why it is sound: by 1 a search may keep one of equal states. Other invocations see nothing of local computation,
 //! so that no result is lost if it comes with the operation before it. A barrier comes after all of one stage and
-//! before all of the next, so that it needs no move of its own. Why clear and resolve may be left out: [`alone`](super::alone).
+//! before all of the next, so that it needs no move of its own. Why clear and resolve may be left out:
+//! [`alone`](super::alone).
 //!
 //! Left out: a barrier for each pixel is explored as one for the frame: no pixel runs ahead of another.
 //! Lanes come together after blocks; they are not in lockstep between. A helper's update returns one of four values.
-//! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so; what is judged then is no end.
-//! The method's invariant is
-//! looked at while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block
-//! together, only the one that moves is asked for faults.
+//! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so. An operation that memory has no room
+//! for is not performed, and nothing follows from it; `is_full` says that, too. The method's invariant is looked at
+//! while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block together,
+//! only the one that moves is asked for faults.
 //!
 //! Published: a state as a vector with an index for every process's own state: Holzmann, "State compression in SPIN"
 //! (SPIN 1997). Local computation joined to an operation: Lipton, "Reduction" (CACM 1975). Helpers are those of the
@@ -296,7 +297,6 @@ impl<'a> Machine<'a> {
             let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
             let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
             if at.round == MOST_ROUNDS {
-                // The state is left as if it were final, and judged so; a violation found there may be none.
                 self.full = true;
                 break;
             }
@@ -545,7 +545,7 @@ impl<'a> Machine<'a> {
     }
 
     /// How the loaded state ends, all invocations having ended: the lists after resolve. `None` if resolve was cut
-    /// off.
+    /// off, or has asked for too many rounds.
     pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Option<Final> {
         let alone = self.resolve_alone();
         let cut_off = alone.as_ref().and_then(|alone| alone.endless);
@@ -553,7 +553,10 @@ impl<'a> Machine<'a> {
             self.endless = cut_off;
             return None;
         }
-        let (mut end, _) = self.resolved(nodes, alone);
+        let (mut end, again) = self.resolved(nodes, alone);
+        if again && self.at.round == MOST_ROUNDS {
+            return None;
+        }
         end.pixels.iter_mut().for_each(Held::sort);
         Some(end)
     }
