@@ -17,9 +17,14 @@ pub fn table(rows: &[Finding]) -> String {
     let mut lines = lines.lines();
     let mut text = String::new();
     let _ = writeln!(text, "{}", lines.next().unwrap_or_default());
+    let mut above = "";
     for (line, row) in lines.zip(rows) {
         let _ = writeln!(text, "{line}");
-        if !row.message.is_empty() {
+        let same = row.verdict == Verdict::Unknown && row.message == above;
+        above = &row.message;
+        if same && !row.message.is_empty() {
+            let _ = writeln!(text, "    as above");
+        } else if !row.message.is_empty() {
             let steps = row.steps.map(|n| format!("in {n} steps: ")).unwrap_or_default();
             let _ = writeln!(text, "    {steps}{}", row.message);
         }

@@ -515,9 +515,11 @@ impl<'a> Machine<'a> {
     /// which have left this one, and together with this lane. A warp is so many invocations with consecutive numbers.
     fn may_merge(&self, nodes: &[NodeId], invocation: usize) -> bool {
         let Some(warp) = self.conditions.warp else { return true };
-        // A lane at a merge is still in its block. A wait before the first operation may be in none: that fails here.
+        // A lane at a merge is still in its block. One that waits before its first operation may be in none, and waits
+        // for ever.
         let own = self.forest.stack(nodes[invocation]);
-        let (block, parent) = (own.len() - 1, &own[..own.len() - 1]);
+        let Some(block) = own.len().checked_sub(1) else { return false };
+        let parent = &own[..block];
         let later = |stack: &[OpenBlock]| {
             stack.get(block).is_some_and(|other| other.ordinal > own[block].ordinal)
         };

@@ -20,7 +20,7 @@ use crate::scheme::task::{Ended, Invocation, Task};
 use std::task::{Context, Poll, Waker};
 
 /// Steps of a run, at most: it may never end.
-const MOST_STEPS: u64 = 300_000;
+const MOST_STEPS: u64 = 1_000_000;
 
 /// Streams of the random numbers.
 const STREAM: u64 = 0x11FE;

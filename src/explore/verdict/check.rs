@@ -125,7 +125,10 @@ impl Survey {
             let reached = survey.reached();
             let beyond = random::sample(subject, 0, RUNS, limits).sites.into_iter();
             let missed = beyond.filter(|(site, _)| !reached.contains(site));
-            survey.missed = missed.map(|(site, action)| (site, run::describe(action))).collect();
+            // Without the value: `relaxed store`.
+            let told =
+                |action| run::describe(action).split(' ').take(2).collect::<Vec<_>>().join(" ");
+            survey.missed = missed.map(|(site, action)| (site, told(action))).collect();
         }
         survey
     }
@@ -447,7 +450,7 @@ fn doubt(rows: &mut [Finding]) {
 }
 
 /// Every sequentially consistent execution is also one of relaxed memory: what is violated there is violated here, and
-/// the same schedule shows it.
+/// the same schedule shows it. The rows are those of one method.
 pub fn inherit(rows: &mut [Finding]) {
     let violated = |row: &&Finding| row.verdict == Verdict::Violated;
     let sequential = MemoryModel::Sequential.name();
@@ -455,9 +458,11 @@ pub fn inherit(rows: &mut [Finding]) {
         rows.iter_mut().partition(|row| row.memory == sequential);
     let strong: Vec<&Finding> = strong.iter().map(|row| &**row).filter(violated).collect();
     for row in weak.into_iter().filter(|row| row.verdict != Verdict::Violated) {
-        let Some(known) = strong.iter().find(|known| known.property == row.property) else {
-            continue;
-        };
+        // A claim's row is the worst of several properties.
+        let known = strong.iter().find(|known| {
+            known.claim == row.claim && (row.claim.is_some() || known.property == row.property)
+        });
+        let Some(known) = known else { continue };
         *row = Finding {
             bound: std::mem::take(&mut row.bound),
             scope: std::mem::take(&mut row.scope),

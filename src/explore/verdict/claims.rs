@@ -255,6 +255,7 @@ impl Claim {
         }
         let mut rows = Vec::new();
         for method in methods {
+            let begin = rows.len();
             let subject = Subject::new(catalogue.find("METHOD", method)?)?;
             for &memory in &plan.memory {
                 let n = plan.fragments_under(subject.contract, memory);
@@ -269,6 +270,7 @@ impl Claim {
                 let survey = Survey { missed: BTreeMap::new(), ..survey };
                 rows.push(self.row(&survey, &check::properties(&subject, memory)));
             }
+            check::inherit(&mut rows[begin..]);
         }
         Ok(rows)
     }
