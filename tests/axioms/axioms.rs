@@ -235,10 +235,10 @@ impl Enumerator {
     ) -> Relation {
         let n = self.count();
         let mut order: Relation = [0; 3 * EVENTS];
-        for point in 0..3 * n {
+        for (point, to) in order.iter_mut().enumerate().take(3 * n) {
             let (event, next) = (point / 3, (point + 1) / 3);
             if next < n && self.same_thread(event, next) {
-                order[point] |= 1 << (point + 1);
+                *to |= 1 << (point + 1);
             }
         }
         for event in (0..n).filter(|&event| self.reads(event)) {

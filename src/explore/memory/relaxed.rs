@@ -647,3 +647,68 @@ impl<'a> Canonical<'a> {
         bytes.extend(clock.map(|(t, &when)| self.ranks[t][usize::from(when)]));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::{Access, Atomic, Layout};
+
+    /// Two invocations, and one word that holds 0.
+    fn model() -> Relaxed {
+        let mut layout = Layout::default();
+        layout.pixel::<Atomic, u32>(1);
+        let cells = Numbering::new(&layout, 1);
+        Relaxed::new(&cells, &[Initial::Written(0)], &[0], 2, Profile::Vulkan)
+    }
+
+    fn write(value: u64) -> Action {
+        Action::Write(value, Access::Atomic(Order::Relaxed))
+    }
+
+    #[test]
+    fn a_write_takes_any_place_behind_what_was_seen_but_none_behind_what_an_update_read() {
+        let mut model = model();
+        model.perform(0, 0, write(5), 0);
+        assert_eq!(model.alternatives(0, 0, write(6)), 1, "its own write is seen");
+        assert_eq!(model.alternatives(1, 0, write(3)), 2);
+        model.perform(1, 0, write(3), 1);
+        assert!(!model.descends());
+        assert_eq!(model.settled(0), Some(5));
+        let add = Action::Update(Update::Add(1), Order::Relaxed);
+        assert_eq!(model.alternatives(1, 0, add), 2);
+        assert_eq!(model.perform(1, 0, add, 1), 3);
+        assert_eq!(model.settled(0), Some(5));
+        assert_eq!(model.messages[0].iter().map(|m| m.value).collect::<Vec<_>>(), [0, 3, 4, 5]);
+        let places = model.messages[0].iter().map(|m| m.view.from[0]).collect::<Vec<_>>();
+        assert_eq!(places, [0, 1, 2, 3]);
+        assert_eq!(model.threads.iter().map(|t| t.cur.from[0]).collect::<Vec<_>>(), [3, 2]);
+        // Behind 4 and 5.
+        assert_eq!(model.alternatives(1, 0, write(9)), 2);
+        model.perform(1, 0, write(9), 1);
+        assert!(model.descends(), "5 comes behind 9");
+        assert_eq!(model.settled(0), Some(5));
+    }
+
+    #[test]
+    fn what_finds_no_room_is_not_performed() {
+        let mut full = model();
+        for value in 1..MOST_MESSAGES as u64 {
+            full.perform(0, 0, write(value), 0);
+            assert!(!full.lost() && !full.full());
+        }
+        full.perform(0, 0, write(0), 0);
+        assert!(full.lost() && full.full());
+        full.perform(1, 0, Action::Read(Access::Atomic(Order::Acquire)), 0);
+        assert!(!full.lost() && full.full());
+
+        // Releases raise the clock.
+        let mut full = model();
+        let nothing = Action::Update(Update::Or(0), Order::Release);
+        for _ in 1..u8::MAX {
+            full.perform(0, 0, nothing, 0);
+            assert!(!full.lost());
+        }
+        full.perform(0, 0, nothing, 0);
+        assert!(full.lost() && full.full());
+    }
+}
