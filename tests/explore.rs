@@ -285,7 +285,8 @@ fn shows_it_again(row: &Finding) {
     let of_property = |(p, _): &&(Property, String)| p.name() == token.property;
     let told = shown.run.violations().find(of_property).map(|(_, told)| told.as_str());
     let told = told.unwrap_or_else(|| panic!("nothing is wrong: {row:?}"));
-    assert!(row.message.starts_with(told), "{told}: {row:?}");
+    let message = row.message.strip_prefix("as under sc: ").unwrap_or(&row.message);
+    assert!(message.starts_with(told), "{told}: {row:?}");
 }
 
 /// The verdict of a method under a memory model.
