@@ -322,7 +322,8 @@ fn a_helper_may_never_get_the_lock() {
 #[test]
 fn a_helper_changes_nothing() {
     let memory = vec![MemoryModel::Sequential];
-    let plan = Plan { simt: false, memory, fragments: Some(3), ks: vec![1, 2], ..plan(&[], 1) };
+    let plan =
+        Plan { simt: false, memory, fragments: Some(3), ks: vec![1, 2], runs: 0, ..plan(&[], 1) };
     for method in ["kplus-array", "z-buffer", "ab-ll", "ab-array"] {
         let rows = check(&subject(method), &plan, &LIMITS);
         assert!(rows.len() > 5, "{rows:?}");
