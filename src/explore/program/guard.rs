@@ -56,12 +56,13 @@ mod tests {
     /// The outer guard is still there after an inner one has caught something.
     #[test]
     fn guards_stand_in_each_other() {
-        let outer = guarded(|| {
+        let outer: Result<(), String> = guarded(|| {
             let inner = guarded(|| panic!("inner"));
+            let inner: Result<(), String> = inner;
             assert!(inner.unwrap_err().ends_with("inner"));
             panic!("outer")
         });
-        assert!(outer.map(|()| ()).unwrap_err().ends_with("outer"));
+        assert!(outer.unwrap_err().ends_with("outer"));
         assert_eq!(GUARDS.get(), 0);
     }
 }
