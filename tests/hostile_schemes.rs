@@ -1,6 +1,8 @@
 //! What must not bring the checker down, and must be called by its name: schemes that panic, that never end, or that
 //! keep state outside of memory.
 
+#![allow(clippy::while_immutable_condition, reason = "loops without an end are what is tested")]
+
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use fragloom::explore::replay::replay_of;
