@@ -42,7 +42,9 @@ fn ways() -> Vec<String> {
         ways.push(format!(
             "check METHOD --scene {layers} --pixel 4,4 --memory-model {model} --executions 2 --max-states 20"
         ));
-        ways.push(format!("check METHOD -n 2 -k 1 --memory-model {model} --max-states 100"));
+        ways.push(format!(
+            "check METHOD -n 2 -k 1 --memory-model {model} --max-states 100 --runs 3"
+        ));
     }
     ways.push(format!("check METHOD --scene {cubes} --pixel 9,8 --executions 2 --max-states 20"));
     ways.push(format!("check METHOD --scene {cubes} --executions 2 --json"));
@@ -50,7 +52,7 @@ fn ways() -> Vec<String> {
     ways.push("check METHOD -n 1 -k 2 --helpers 1 --outcomes --max-states 100".to_owned());
     for progress in ["unfair", "hsa", "obe", "hsa+obe", "lobe", "fair", "simt"] {
         ways.push(format!(
-            "check METHOD -n 2 -k 1 --progress {progress} --memory-model sc --max-states 100"
+            "check METHOD -n 2 -k 1 --progress {progress} --memory-model sc --max-states 100 --runs 3"
         ));
     }
     let draw = "render layers:count=3 -m METHOD --size 9x7 -q";

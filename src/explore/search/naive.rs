@@ -162,19 +162,16 @@ mod tests {
 
     #[test]
     fn outcomes_of_two_fragments_are_those_of_a_naive_search() {
-        let mut all = 0;
+        let (mut all, mut methods) = (0, 0);
         for method in Catalogue::built_in().promised() {
             let name = method.name();
-            let (mut compared, mut executions) = compare(name, 2, &[1, 2], 30_000);
-            if compared == 0 {
-                // Two passes, and a lock.
-                (compared, executions) = compare(name, 2, &[1], 400_000);
-            }
+            // With two passes and a lock, a naive search may have too much to do.
+            let (compared, executions) = compare(name, 2, &[1, 2], 10_000);
             println!("{name}: {compared} instances, {executions} executions");
-            // Of these, a naive search has too much to do.
-            assert!(compared > 0 || name.starts_with("kplus-sb"), "{name}");
+            methods += u32::from(compared > 0);
             all += executions;
         }
+        assert!(methods > 15, "{methods} methods");
         println!("{all} executions");
         assert!(all > 100_000, "{all}");
     }
