@@ -11,14 +11,19 @@ use crate::memory::asked::Request;
 type Paths = Vec<(NodeId, Vec<Answer>)>;
 
 impl Forest<'_> {
-    /// Follow every node's answers once more: an invocation must do what it did before. The last are followed first, so
+    /// Follow every chain's answers once more: an invocation must do what it did before. The last are followed first, so
     /// that others run before it than before; and small forests several times. What is wrong, if anything is.
     ///
     /// A static, a cell or a clock in a scheme are found so, if what they hold makes a difference by then.
     pub(in crate::explore) fn check_repeats(&self) -> std::result::Result<(), String> {
         let rounds = 1 + 500 / self.nodes.len().max(1);
-        let all = (0..self.nodes.len() as NodeId).rev().take(Self::MOST_COMPARISONS);
-        (0..rounds).try_for_each(|_| all.clone().try_for_each(|node| self.check_repeat(node)))
+        // A chain has all nodes above its last one in it.
+        let mut has_below = vec![false; self.nodes.len()];
+        let edges = self.nodes.iter().filter_map(|node| node.parent);
+        edges.for_each(|(above, _)| has_below[above as usize] = true);
+        let lasts = (0..self.nodes.len() as NodeId).rev().filter(|&id| !has_below[id as usize]);
+        let lasts: Vec<NodeId> = lasts.take(Self::MOST_COMPARISONS).collect();
+        (0..rounds).try_for_each(|_| lasts.iter().try_for_each(|&node| self.check_repeat(node)))
     }
 
     fn check_repeat(&self, id: NodeId) -> std::result::Result<(), String> {
