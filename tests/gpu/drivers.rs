@@ -254,7 +254,7 @@ fn twins_do_what_schemes_do() {
     let _turn = turn();
     for opened in all("conformance") {
         for twin in twins() {
-            let extent = conform::Extent { fragments: 3, programs: 8 };
+            let extent = conform::Extent { fragments: 3, programs: 16 };
             let found = conform(&opened.device, twin, extent).expect("a device");
             assert_eq!(found.difference, None, "{found:?}");
             if found.unsupported.is_none() {
@@ -286,7 +286,7 @@ fn conformance_finds_changed_twins() {
     ];
     for opened in all("mutants") {
         for mutant in mutants {
-            let extent = conform::Extent { fragments: 3, programs: 12 };
+            let extent = conform::Extent { fragments: 3, programs: 30 };
             let found = conform(&opened.device, mutant, extent).expect("a device");
             // One that sums the same group twice sums the only one there is.
             let equivalent = mutant.method.name() == "s-buffer";
