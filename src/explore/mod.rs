@@ -21,8 +21,10 @@ pub use program::{Case, Conditions, Family, Final, Litmus, Subject};
 pub use replay::token::Token;
 pub use sample::{Executions, cut, sampled};
 pub use search::{Explored, Found, Limits, Progress, Property, Stopped, explore};
-pub use verdict::check::{Survey, check, inherit, properties, termination};
+pub use verdict::check::{check, inherit};
+pub use verdict::endings::termination;
 pub use verdict::plan::Plan;
+pub use verdict::survey::{Survey, properties};
 pub use verdict::{Finding, Scope, Verdict};
 
 pub use crate::scheme::task::{Ended, Task};

@@ -70,7 +70,8 @@ pub struct Contract {
     pub page: u32,
     /// In which order its store invocations enter.
     pub store_order: StoreOrder,
-    /// The text of its source file, by `include_str!`: a check reads from it which operations must be reached.
+    /// The text of its source file, by `include_str!`, if it is at hand: random runs try the whole numbers in it as depths
+    /// and data words.
     pub source: &'static str,
 }
 

@@ -19,20 +19,36 @@ use crate::scheme::{Config, Contract, Keeps, Keys, Outcome, Scheme};
 /// What an entry holds while it is empty.
 const EMPTY: u64 = u64::MAX;
 
-const RIGHT: u32 = 0;
-const FORGETS: u32 = 1;
-const SHARED_CLEAR: u32 = 2;
-const SHARED_RESOLVE: u32 = 3;
-const UPPER_BITS: u32 = 4;
-const AS_FLOAT: u32 = 5;
-const DATA_ZERO: u32 = 6;
-const FOURTH: u32 = 7;
-const NO_FRAGMENT: u32 = 8;
-const LAZY: u32 = 9;
-const LAZY_RELAXED: u32 = 10;
-const PANICS: u32 = 11;
-const ENDLESS: u32 = 12;
-const HOST_STATE: u32 = 13;
+/// Every form: its number, and its name.
+macro_rules! forms {
+    ($($form:ident = $name:literal,)*) => {
+        forms!(@numbers 0; $($form)*);
+        const NAMES: &[&str] = &[$($name,)*];
+        const METHODS: &[Method] = &[$(Method::interpreted::<Control<$form>>(),)*];
+    };
+    (@numbers $number:expr; $form:ident $($rest:ident)*) => {
+        const $form: usize = $number;
+        forms!(@numbers $number + 1; $($rest)*);
+    };
+    (@numbers $number:expr;) => {};
+}
+
+forms! {
+    RIGHT = "control",
+    FORGETS = "control@forgets",
+    SHARED_CLEAR = "control@shared-clear",
+    SHARED_RESOLVE = "control@shared-resolve",
+    UPPER_BITS = "control@upper-bits",
+    AS_FLOAT = "control@as-float",
+    DATA_ZERO = "control@data-zero",
+    FOURTH = "control@fourth",
+    NO_FRAGMENT = "control@no-fragment",
+    LAZY = "control@lazy",
+    LAZY_RELAXED = "control@lazy-relaxed",
+    PANICS = "control@panics",
+    ENDLESS = "control@endless",
+    HOST_STATE = "control@host-state",
+}
 
 /// The faults, as `fragloom mutations` lists them.
 pub const CONTROLS: &[Mutation] = &[
@@ -55,7 +71,7 @@ pub const CONTROLS: &[Mutation] = &[
     ),
     built_in(
         "lazy-relaxed",
-        "entries set up by whoever comes first, and a relaxed flag that says so",
+        "the first invocation sets up the entries, and tells the others by a relaxed store",
         &["control@lazy-relaxed"],
     ),
     built_in("panics", "code that panics when an entry is taken", &["control@panics"]),
@@ -69,23 +85,7 @@ pub const GREEN: [&str; 2] = ["control", "control@lazy"];
 /// The form of that name.
 #[must_use]
 pub fn control(name: &str) -> Option<Subject> {
-    const ALL: &[Method] = &[
-        Method::interpreted::<Control<RIGHT>>(),
-        Method::interpreted::<Control<FORGETS>>(),
-        Method::interpreted::<Control<SHARED_CLEAR>>(),
-        Method::interpreted::<Control<SHARED_RESOLVE>>(),
-        Method::interpreted::<Control<UPPER_BITS>>(),
-        Method::interpreted::<Control<AS_FLOAT>>(),
-        Method::interpreted::<Control<DATA_ZERO>>(),
-        Method::interpreted::<Control<FOURTH>>(),
-        Method::interpreted::<Control<NO_FRAGMENT>>(),
-        Method::interpreted::<Control<LAZY>>(),
-        Method::interpreted::<Control<LAZY_RELAXED>>(),
-        Method::interpreted::<Control<PANICS>>(),
-        Method::interpreted::<Control<ENDLESS>>(),
-        Method::interpreted::<Control<HOST_STATE>>(),
-    ];
-    let method = ALL.iter().find(|method| method.name() == name)?;
+    let method = METHODS.iter().find(|method| method.name() == name)?;
     Subject::new(*method).ok()
 }
 
@@ -100,25 +100,8 @@ pub fn find(catalogue: &Catalogue, place: &str, name: &str) -> Result<Subject> {
     }
 }
 
-const NAMES: [&str; 14] = [
-    "control",
-    "control@forgets",
-    "control@shared-clear",
-    "control@shared-resolve",
-    "control@upper-bits",
-    "control@as-float",
-    "control@data-zero",
-    "control@fourth",
-    "control@no-fragment",
-    "control@lazy",
-    "control@lazy-relaxed",
-    "control@panics",
-    "control@endless",
-    "control@host-state",
-];
-
 /// The method, or a fault in it.
-struct Control<const FORM: u32> {
+struct Control<const FORM: usize> {
     k: u32,
     entries: Words<Pixel, Atomic, u64>,
     /// Whether the pixel is shown.
@@ -130,7 +113,7 @@ struct Control<const FORM: u32> {
     host: Mutex<u32>,
 }
 
-impl<const FORM: u32> Control<FORM> {
+impl<const FORM: usize> Control<FORM> {
     const IS_LAZY: bool = FORM == LAZY || FORM == LAZY_RELAXED;
 
     /// Set up the entries, or wait until they are.
@@ -161,13 +144,13 @@ impl<const FORM: u32> Control<FORM> {
     }
 }
 
-impl<const FORM: u32> Scheme for Control<FORM> {
+impl<const FORM: usize> Scheme for Control<FORM> {
     const CONTRACT: Contract = Contract {
         title: "the k nearest by atomic minima, to check the checker with",
         form: if FORM == RIGHT || FORM == LAZY { Form::Correct } else { Form::Mutation },
         words: "2k + 2",
         default_k: Some(8),
-        ..Contract::new(NAMES[FORM as usize], Keeps::Nearest)
+        ..Contract::new(NAMES[FORM], Keeps::Nearest)
     };
 
     type Holds = Keys;
@@ -291,7 +274,7 @@ mod tests {
         let mut all = NAMES.to_vec();
         all.sort_unstable();
         assert_eq!(names, all);
-        for name in NAMES {
+        for &name in NAMES {
             let subject = control(name).expect("a form");
             assert_eq!(subject.contract.name, name);
             let is_fault = subject.contract.form == Form::Mutation;

@@ -39,7 +39,7 @@ pub struct Family {
     pub helpers: u32,
 }
 
-/// All instances of a method, smallest first: by n, then k, then room and pixels, then pattern.
+/// All instances of a method with at least one fragment, smallest first: by n, then k, then room and pixels, then pattern.
 #[must_use]
 pub fn instances(subject: &Subject, family: &Family) -> Vec<Litmus> {
     (1..=family.fragments).flat_map(|n| of_size(subject, family, n)).collect()

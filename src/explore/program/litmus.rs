@@ -190,7 +190,7 @@ impl Litmus {
     }
 
     /// How many operations an invocation may have. Beyond, a loop is taken for endless: a search gives up, and says so.
-    /// The largest of the catalogue has a fourth of that. It grows with the square of the fragments, as sorting in
+    /// The correct methods need a tenth of that. It grows with the square of the fragments, as sorting in
     /// memory does.
     #[must_use]
     pub fn most_operations(&self) -> usize {

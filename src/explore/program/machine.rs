@@ -44,6 +44,8 @@
 //! OpenGL Shading Language (`gl_HelperInvocation`): no effect, undefined results. Lanes come together as at SPIR-V's
 //! merge instructions; the rule for nested blocks is this file's own (`may_merge`).
 
+mod stages;
+
 use std::collections::BTreeMap;
 
 use super::alone::Alone;
@@ -149,10 +151,17 @@ pub(in crate::explore) struct Moved {
     pub(in crate::explore) fault: Option<Fault>,
     /// An earlier access that the operation races with.
     pub(in crate::explore) race: Option<Race>,
-    /// No state follows: the invocation has panicked.
-    pub(in crate::explore) is_last: bool,
-    /// Memory had no room for the operation: it was not performed, and no state follows.
-    pub(in crate::explore) lost: bool,
+    /// Why no state follows, if none does.
+    pub(in crate::explore) stop: Option<Stop>,
+}
+
+/// Why no state follows a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::explore) enum Stop {
+    /// The invocation has panicked.
+    Panic,
+    /// Memory had no room for the operation: it was not performed.
+    NoRoom,
 }
 
 /// How a finished run ended.
@@ -241,93 +250,6 @@ impl<'a> Machine<'a> {
         machine
     }
 
-    /// Encode the beginning of a stage, on the present memory. No invocation of it has moved.
-    fn begin(&mut self, at: At, state: &mut Vec<u32>) {
-        self.at = at;
-        let tasks = self.stages[at.stage as usize].tasks.clone();
-        state.clear();
-        state.extend(tasks.into_iter().map(|task| self.forest.root(task)));
-        state.resize(self.head, 0);
-        state[self.head - 1] = at.pack();
-        let live = self.live(&state[..self.width]);
-        self.model.store(live, state);
-    }
-
-    /// Encode the loaded memory behind a head, and begin the next stage if all have ended (2). What is wrong at a
-    /// barrier between rounds, if anything is.
-    pub(in crate::explore) fn settle(&mut self, state: &mut Vec<u32>) -> Option<String> {
-        let live = self.live(&state[..self.width]);
-        self.model.store(live, state);
-        if live == 0 { self.advance(state) } else { None }
-    }
-
-    /// Begin the next stage, or the next round, as long as none is left in the present one.
-    fn advance(&mut self, state: &mut Vec<u32>) -> Option<String> {
-        let mut wrong = None;
-        while self.live(&state[..self.width]) == 0 {
-            let at = self.at;
-            // The course counts the stages that are not explored, too.
-            let here = course::At { stage: at.stage as usize + self.before, round: at.round };
-            let next = self.explored(self.course.after(here, false));
-            let resolves = next.is_some_and(|next| Some(next.stage) == self.resolves);
-            let alone = self.resolve_alone();
-            if let Some(next) = next
-                && alone.is_none()
-            {
-                let mut results = at.results;
-                if resolves {
-                    wrong = wrong.or(self.invariant(Moment::Quiet).err());
-                    let (reported, _) = self.reported(&state[..self.width]);
-                    results = self.intern(reported);
-                }
-                self.model.barrier(&BTreeMap::new());
-                self.begin(At { stage: next.stage, results, ..at }, state);
-                continue;
-            }
-            // The end of a round. Resolve says whether there is another; if it is left out, it runs now.
-            if !self.contract.program.repeats {
-                break;
-            }
-            if let Some(cut_off) = alone.as_ref().and_then(|alone| alone.endless) {
-                self.endless = Some(cut_off);
-                break;
-            }
-            let written = alone.as_ref().map(|alone| alone.written.clone()).unwrap_or_default();
-            let (mut end, again) = self.resolved(&state[..self.width], alone);
-            let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
-            let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
-            if at.round == MOST_ROUNDS {
-                self.full = true;
-                break;
-            }
-            if self.is_in_passes() {
-                wrong = wrong.or(self.invariant(Moment::Quiet).err());
-            }
-            // In one order, so that equal results have one index.
-            end.pixels.iter_mut().for_each(Held::sort);
-            let results = self.intern(Final { outcomes: Vec::new(), ..end });
-            self.model.barrier(&written);
-            self.begin(At { results, ..next }, state);
-        }
-        wrong
-    }
-
-    /// The index of results.
-    fn intern(&mut self, results: Final) -> u32 {
-        let known = self.results.iter().position(|known| *known == results);
-        known.unwrap_or_else(|| {
-            self.results.push(results);
-            self.results.len() - 1
-        }) as u32
-    }
-
-    /// A stage of the course as one of those that are explored, if it is one.
-    fn explored(&self, at: Option<course::At>) -> Option<At> {
-        let course::At { stage, round } = at?;
-        let stage = stage - self.before;
-        (stage < self.stages.len()).then_some(At { stage: stage as u32, round, results: 0 })
-    }
-
     /// The stage of the loaded state.
     pub(in crate::explore) fn stage(&self) -> &Stage {
         &self.stages[self.at.stage as usize]
@@ -406,8 +328,7 @@ impl<'a> Machine<'a> {
         invocation: usize,
     ) -> usize {
         match self.forest.node(nodes[invocation]).step {
-            Step::Ended(_) => 0,
-            Step::Endless => 0,
+            Step::Ended(_) | Step::Endless => 0,
             Step::Panics(_) => 1,
             // The one step that can be disabled: a lane waits for others.
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
@@ -446,10 +367,10 @@ impl<'a> Machine<'a> {
             }
         }
         if matches!(step, Step::Panics(_)) {
-            return Moved { node, result, fault, race, is_last: true, lost: false };
+            return Moved { node, result, fault, race, stop: Some(Stop::Panic) };
         }
         if self.model.lost() {
-            return Moved { node, result: 0, fault: None, race: None, is_last: false, lost: true };
+            return Moved { node, result: 0, fault: None, race: None, stop: Some(Stop::NoRoom) };
         }
         let node = self.forest.child(node, result);
         // An end has no move of its own, so its fault belongs to the move that leads there.
@@ -460,7 +381,7 @@ impl<'a> Machine<'a> {
         let fault = fault.or(shrunk.then_some(Fault::Shrinks));
         // What a helper does to a lock has no effect, and what it believes to hold it does not.
         let fault = fault.filter(|f| *f == Fault::Outside || !self.is_helper(invocation));
-        Moved { node, result, fault, race, is_last: false, lost: false }
+        Moved { node, result, fault, race, stop: None }
     }
 
     /// A fault of an invocation that stands at `node` in words.
@@ -546,61 +467,9 @@ impl<'a> Machine<'a> {
             .unwrap_or_else(|told| Err(format!("the invariant {told}")))
     }
 
-    /// How the loaded state ends, all invocations having ended: the lists after resolve. `None` if resolve was cut
-    /// off, or has asked for too many rounds.
-    pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Option<Final> {
-        let alone = self.resolve_alone();
-        let cut_off = alone.as_ref().and_then(|alone| alone.endless);
-        if cut_off.is_some() {
-            self.endless = cut_off;
-            return None;
-        }
-        let (mut end, again) = self.resolved(nodes, alone);
-        if again && self.at.round == MOST_ROUNDS {
-            return None;
-        }
-        end.pixels.iter_mut().for_each(Held::sort);
-        Some(end)
-    }
-
     /// Where an invocation that ran alone was cut off, if one was; in any state.
     pub(in crate::explore) fn endless(&self) -> Option<NodeId> {
         self.endless
-    }
-
-    /// What has been found up to the loaded state, and whether some pixel needs another round.
-    fn reported(&self, nodes: &[NodeId]) -> (Final, bool) {
-        let mut found = self.results[self.at.results as usize].clone();
-        let mut again = false;
-        for (invocation, &node) in nodes.iter().enumerate() {
-            if let Step::Ended(end) = self.forest.node(node).step
-                && !self.is_helper(invocation)
-            {
-                again |= found.add(self.forest.ended(end));
-            }
-        }
-        (found, again)
-    }
-
-    /// The same after resolve, with the lists in any order.
-    fn resolved(&self, nodes: &[NodeId], alone: Option<Alone>) -> (Final, bool) {
-        let (mut found, mut again) = self.reported(nodes);
-        for ended in alone.into_iter().flat_map(|alone| alone.ends) {
-            again |= found.add(&ended);
-        }
-        (found, again)
-    }
-
-    /// Resolve one pixel after another, if resolve is next and the order cannot matter. It is behind a barrier:
-    /// everything that was written is seen. The model stays as it is.
-    fn resolve_alone(&mut self) -> Option<Alone> {
-        let resolves = self.resolves.filter(|&resolves| resolves == self.at.stage + 1)?;
-        if !self.leaves_out {
-            return None;
-        }
-        let tasks = self.stages[resolves as usize].tasks.clone();
-        let model = &self.model;
-        Alone::run(&mut self.forest, &tasks, &|cell| model.settled(cell), &self.case.numbering)
     }
 }
 

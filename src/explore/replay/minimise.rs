@@ -15,9 +15,9 @@ use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS};
 use crate::explore::program::schedule::{Move, Schedule, switches};
 use crate::explore::program::subject::Subject;
-use crate::explore::search::exhaustive::{self, Limits};
 use crate::explore::search::property::Property;
 use crate::explore::search::random::Failing;
+use crate::explore::search::{Limits, exhaustive};
 
 /// Steps after which a candidate is given up.
 const MOST_STEPS: usize = 20_000;

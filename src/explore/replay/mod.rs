@@ -12,7 +12,7 @@ use super::program::controls;
 use super::program::machine::Conditions;
 use super::program::schedule::Move;
 use super::program::subject::Subject;
-use super::search::exhaustive::Limits;
+use super::search::explored::Limits;
 use super::search::property::Property;
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};

@@ -5,9 +5,9 @@ use crate::explore::memory::model::{self, Race};
 use crate::explore::program::case::Case;
 use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
-use crate::explore::program::machine::{Conditions, Final, Machine, Moved};
+use crate::explore::program::machine::{Conditions, Final, Machine, Moved, Stop};
 use crate::explore::program::schedule::Move;
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::explored::Limits;
 use crate::explore::search::property::{self, Property};
 use crate::explore::search::space::Space;
 use crate::memory::asked::{Action, Site};
@@ -114,10 +114,10 @@ impl<'a> Runner<'a> {
             return None;
         }
         let moved = self.machine.perform(node, by);
-        if moved.lost {
+        if moved.stop == Some(Stop::NoRoom) {
             return None;
         }
-        self.is_over = moved.is_last;
+        self.is_over = moved.stop == Some(Stop::Panic);
         let wrong = self.wrong(node, by, moved);
         let mut event = Event {
             stage: self.machine.stage_number(),
@@ -279,8 +279,8 @@ impl<'a> Runner<'a> {
                     self.machine.load(&state);
                     let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
                     let moved = self.machine.perform(nodes[invocation], by);
-                    lost |= moved.lost;
-                    if moved.lost || moved.is_last {
+                    lost |= moved.stop == Some(Stop::NoRoom);
+                    if moved.stop.is_some() {
                         continue;
                     }
                     let mut next = state[..self.machine.head()].to_vec();

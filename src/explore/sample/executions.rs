@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::subject::Subject;
 use crate::explore::replay::token::{SceneToken, Token};
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::explored::Limits;
 use crate::explore::search::property::Property;
 use crate::explore::verdict::{Finding, Scope, Verdict};
 use crate::render::{Exec, Options, Rendering, Sim, reference, render};

@@ -9,7 +9,7 @@ use crate::explore::program::subject::Subject;
 pub use crate::explore::replay::minimise::minimise_litmus;
 use crate::explore::replay::minimise::{Failure, follow, unfit};
 use crate::explore::replay::token::LitmusToken;
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::explored::Limits;
 use crate::explore::search::property::Property;
 use crate::render::{Exec, Options, Sim, reference, render};
 use crate::resolve::Kept;

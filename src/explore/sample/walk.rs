@@ -6,7 +6,7 @@ use crate::explore::program::case::Case;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::{Move, Schedule};
 use crate::explore::replay::run::{Run, Runner};
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::explored::Limits;
 use crate::num::random;
 
 /// Steps after which a run is abandoned: its schedule may never end.

@@ -75,7 +75,8 @@ impl Runner<'_> {
             if resolves {
                 self.invariant();
             }
-            if at.stage == 0 || course.parts(at).iter().any(|part| matches!(part, Part::Pass(0))) {
+            // Outcomes are those of the last round.
+            if course.parts(at).contains(&Part::Pass(0)) {
                 end.outcomes.clear();
             }
             let Some(ended) = self.stage(at, &stages[at.stage].tasks) else { return };

@@ -2,6 +2,7 @@
 
 mod constants;
 pub(super) mod exhaustive;
+pub(super) mod explored;
 pub(super) mod graph;
 pub(super) mod live;
 #[cfg(test)]
@@ -15,7 +16,7 @@ mod waiting;
 use super::program::guard::guarded;
 use super::program::{Conditions, Litmus, Subject};
 
-pub use self::exhaustive::{Explored, Found, Limits, Stopped};
+pub use self::explored::{Explored, Found, Limits, Stopped};
 pub use self::progress::Progress;
 pub use self::property::Property;
 

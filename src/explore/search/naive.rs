@@ -134,7 +134,8 @@ mod tests {
     use crate::explore::program::instances::{Family, of_size};
     use crate::explore::program::machine::Conditions;
     use crate::explore::program::subject::Subject;
-    use crate::explore::search::exhaustive::{Limits, explore};
+    use crate::explore::search::exhaustive::explore;
+    use crate::explore::search::explored::Limits;
 
     /// Compare the first instances of a method with `n` fragments, but for those with too many executions; how many
     /// were, and their executions.

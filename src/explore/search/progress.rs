@@ -6,7 +6,8 @@
 //! to be scheduled is in A (or disabled somewhere on the cycle, as a lane that waits for others of its warp). A fair
 //! cycle refutes termination; stem and cycle together are the lasso. Progress is explored under sequential consistency.
 
-use super::exhaustive::{Limits, graph};
+use super::exhaustive::graph;
+use super::explored::Limits;
 use super::graph::Graph;
 use super::space::{Space, StateId};
 use crate::explore::memory::model::MemoryModel;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::constants::constants;
-use super::exhaustive::Limits;
+use super::explored::Limits;
 use super::live::{self, Live};
 use super::property::Property;
 use crate::explore::program::guard::guarded;
@@ -52,8 +52,10 @@ pub(in crate::explore) type Sites = BTreeMap<(&'static str, u32, u32), Action>;
 
 /// What random runs have found.
 pub(in crate::explore) struct Sampled {
-    /// How many came to their end.
+    /// How many were asked for.
     pub(in crate::explore) runs: u64,
+    /// How many came to their end.
+    pub(in crate::explore) ended: u64,
     /// Where they made operations.
     pub(in crate::explore) sites: Sites,
     /// The first failing run, cut down.
@@ -115,7 +117,7 @@ pub(in crate::explore) fn sample(
         let failing = Failing { litmus, property, message, live, count };
         failing.shrink(subject, seed, limits)
     });
-    Sampled { runs: ended, sites, failure }
+    Sampled { runs, ended, sites, failure }
 }
 
 /// The text that a method was compiled from: what its contract names, or the files that the compiler found it in, if

@@ -1,18 +1,17 @@
 //! The papers' claims, stated so that a machine can decide them. Verdicts are computed, never recorded.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
-use super::check::{self, Survey};
+use super::check::inherit;
 use super::plan::Plan;
+use super::survey::{Survey, properties};
 use super::{Finding, Scope, Verdict};
 use crate::catalogue::Catalogue;
 use crate::error::{Error, Result};
 use crate::explore::program::instances::Family;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
-use crate::explore::search::exhaustive::Limits;
+use crate::explore::search::explored::Limits;
 use crate::explore::search::property::Property;
 
 /// A published claim.
@@ -266,11 +265,9 @@ impl Claim {
                 let family = Family { fragments: n, ks, helpers: plan.helpers };
                 let conditions = Conditions { memory, warp: None };
                 let survey = Survey::new(&subject, &family, conditions, limits);
-                // A claim is about what holds within its bound, not about all of the method's code.
-                let survey = Survey { missed: BTreeMap::new(), ..survey };
-                rows.push(self.row(&survey, &check::properties(&subject, memory)));
+                rows.push(self.row(&survey, &properties(&subject, memory)));
             }
-            check::inherit(&mut rows[begin..]);
+            inherit(&mut rows[begin..]);
         }
         Ok(rows)
     }

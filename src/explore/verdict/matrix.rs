@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::Verdict;
 use super::beyond;
-use super::check::{self, Survey};
+use super::endings::termination;
 use super::plan::Plan;
+use super::survey::{Survey, properties};
 use crate::catalogue::Catalogue;
 use crate::catalogue::faults::{MUTATIONS, Mutation};
 use crate::error::{Error, Result};
@@ -20,8 +21,9 @@ use crate::explore::program::instances::Family;
 use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::subject::Subject;
-use crate::explore::search::exhaustive::{Explored, Limits};
+use crate::explore::search::explored::{Explored, Limits};
 use crate::explore::search::property::Property;
+use crate::explore::search::random;
 use crate::scheme::contract::Form;
 
 /// The result of a check on a variant.
@@ -206,7 +208,8 @@ impl Examined {
         if plan.runs == 0 || !self.kills.is_empty() {
             return;
         }
-        let row = beyond::row(&self.subject, plan.seed, plan.runs, limits);
+        let sampled = random::sample(&self.subject, plan.seed, plan.runs, limits);
+        let row = beyond::row(&self.subject, plan.seed, &sampled, limits);
         match row.verdict {
             Verdict::Violated => self.kills.push(Kill {
                 check: "random",
@@ -241,10 +244,9 @@ impl Examined {
         let conditions = Conditions { memory, warp: None };
         let survey = Survey::new(&self.subject, &family, conditions, limits);
         self.complete &= survey.is_complete();
-        let properties = check::properties(&self.subject, memory).into_iter();
-        let properties = properties.chain(Property::CONDITIONS);
+        let asked = properties(&self.subject, memory).into_iter().chain(Property::CONDITIONS);
         let is_race = |p: Property| p == Property::RaceFree;
-        let first = properties
+        let first = asked
             .filter_map(|p| Some((p, survey.violation(p)?)))
             .filter(|(p, _)| !is_race(*p))
             .min_by_key(|(_, (l, _, f))| (l.fragments.len(), f.schedule.len()));
@@ -278,7 +280,7 @@ impl Examined {
     fn endings(&mut self, plan: &Plan, limits: &Limits<'_>) {
         let ks = plan.ks.iter().copied().filter(|&k| k <= 2).collect();
         let plan = Plan { ks, fragments: Some(2), progress: None, simt: true, ..plan.clone() };
-        for row in check::termination(&self.subject, &plan, limits) {
+        for row in termination(&self.subject, &plan, limits) {
             let simt = row.progress.as_deref() == Some("simt");
             match row.verdict {
                 Verdict::Violated => self.kills.push(Kill {

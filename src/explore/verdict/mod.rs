@@ -3,9 +3,11 @@
 mod beyond;
 pub mod check;
 pub mod claims;
+pub mod endings;
 pub mod expect;
 pub mod matrix;
 pub mod plan;
+pub mod survey;
 
 use serde::{Deserialize, Serialize};
 
