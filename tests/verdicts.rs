@@ -1,10 +1,12 @@
 //! What a search must not miss: mistakes of clear and resolve, which are concurrent passes like any other, and words
 //! that nobody wrote. Each mistake is a scheme of its own, and the form without it is verified.
 
+use fragloom::explore::program::controls::control;
+use fragloom::explore::program::instances::instances;
 use fragloom::explore::replay::replay_of;
 use fragloom::explore::{
-    Conditions, Family, Limits, MemoryModel, Plan, Profile, Property, Subject, Survey, Token,
-    Verdict, check,
+    Conditions, Family, Limits, Litmus, MemoryModel, Plan, Profile, Property, Subject, Survey,
+    Token, Verdict, check, explore,
 };
 use fragloom::fragment::Fragment;
 use fragloom::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Words};
@@ -156,4 +158,36 @@ fn a_violation_is_one_under_weaker_memory_too() {
     assert!(relaxed.message.starts_with("as under sc: "), "{}", relaxed.message);
     let bounds = [&sequential.bound, &relaxed.bound];
     assert_ne!(bounds[0], bounds[1], "each row has its own bound");
+}
+
+/// Each fault of a kind is found by what is meant for it, and by nothing else.
+#[test]
+fn what_is_varied_finds_what_nothing_else_does() {
+    let find = |name: &str| control(name).expect("a control");
+    let of = |name: &str, property: &str| {
+        let plan = Plan { memory: vec![MemoryModel::Sequential], runs: 100, ..Plan::default() };
+        let rows = check(&find(name), &plan, &LIMITS);
+        rows.into_iter().find(|row| row.property.as_deref() == Some(property)).expect("a row")
+    };
+    // Values far apart do not show what compares too little of them.
+    let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
+    let family = Family { fragments: 3, ks: vec![1, 2], helpers: 0 };
+    for name in ["control@upper-bits", "control@as-float", "control@data-zero"] {
+        let all = instances(&find(name), &family);
+        let wrong = |litmus: &Litmus| {
+            let explored = explore(&find(name), litmus, conditions, &LIMITS);
+            assert!(explored.complete);
+            !explored.violations.is_empty()
+        };
+        assert!(all.len() > 20 && !all.iter().any(wrong), "{name}");
+        assert_eq!(of(name, "keeps").verdict, Verdict::Violated, "{name}");
+    }
+    // Few fragments do not show what is wrong with the fourth entry.
+    assert_eq!(of("control@fourth", "keeps").verdict, Verdict::Unknown);
+    let random = of("control@fourth", "random-runs");
+    assert_eq!((random.verdict, random.found.as_deref()), (Verdict::Violated, Some("keeps")));
+    assert!(random.token.is_some() && random.instance.contains("k=4 "), "{random:?}");
+    // It takes a pixel without fragments to show what such a pixel returns.
+    let empty = of("control@no-fragment", "keeps");
+    assert!(empty.verdict == Verdict::Violated && empty.instance.starts_with("n=0 "), "{empty:?}");
 }

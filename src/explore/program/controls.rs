@@ -207,7 +207,8 @@ impl<const FORM: usize> Scheme for Control<FORM> {
                 UPPER_BITS => fragment.depth >> 8 >= depth_of(last) >> 8,
                 _ => fragment.depth as f32 >= depth_of(last) as f32,
             };
-            if is_farther && last != EMPTY {
+            // Equal depths are compared as they should be: close ones are not.
+            if is_farther && fragment.depth != depth_of(last) && last != EMPTY {
                 return Outcome::Culled;
             }
         }

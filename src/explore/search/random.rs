@@ -146,15 +146,38 @@ fn run(subject: &Subject, litmus: &Litmus, seed: u64) -> Live {
 }
 
 impl Failing {
-    /// Leave out fragments, and pixels without any, as long as some run with the rest fails in the same way.
+    /// Leave out fragments and pixels, and lower k, as long as some run with the rest fails in the same way.
     fn shrink(mut self, subject: &Subject, seed: u64, limits: &Limits<'_>) -> Self {
         let mut left = MOST_TRIALS;
+        let mut replace = |failing: &mut Self, litmus: Litmus| {
+            !(limits.cancelled)() && failing.replace(subject, litmus, seed, &mut left)
+        };
+        self.drop_fragments(&mut replace);
+        let mut pixel = 0;
+        while pixel < self.litmus.pixels && self.litmus.pixels > 1 {
+            let mut litmus = self.litmus.clone();
+            litmus.pixels -= 1;
+            litmus.fragments.retain(|f| f.0 != pixel);
+            litmus.fragments.iter_mut().for_each(|f| f.0 -= u32::from(f.0 > pixel));
+            pixel += u32::from(!replace(&mut self, litmus));
+        }
+        for k in 1..self.litmus.k.unwrap_or(1) {
+            let litmus = Litmus { k: Some(k), ..self.litmus.clone() };
+            if replace(&mut self, litmus) {
+                break;
+            }
+        }
+        self.drop_fragments(&mut replace);
+        self
+    }
+
+    /// Leave out fragments: many at first, then one after another.
+    fn drop_fragments(&mut self, replace: &mut dyn FnMut(&mut Self, Litmus) -> bool) {
         let mut chunk = self.litmus.fragments.len().div_ceil(2);
         let mut at = 0;
-        while chunk > 0 && left > 0 && !(limits.cancelled)() {
+        while chunk > 0 {
             let n = self.litmus.fragments.len();
             if at >= n {
-                // Once more with single fragments, until none can go.
                 (at, chunk) = (0, chunk / 2);
                 continue;
             }
@@ -162,27 +185,14 @@ impl Failing {
             litmus.fragments.drain(at..(at + chunk).min(n));
             let gone = n - litmus.fragments.len();
             litmus.room = litmus.room.saturating_sub(gone as u32).max(1);
-            if self.replace(subject, litmus, seed, &mut left) {
-                at = 0;
-            } else {
-                at += chunk;
-            }
+            at = if replace(self, litmus) { 0 } else { at + chunk };
         }
-        let mut pixel = 0;
-        while pixel < self.litmus.pixels && self.litmus.pixels > 1 && left > 0 {
-            let mut litmus = self.litmus.clone();
-            litmus.pixels -= 1;
-            litmus.fragments.retain(|f| f.0 != pixel);
-            litmus.fragments.iter_mut().for_each(|f| f.0 -= u32::from(f.0 > pixel));
-            pixel += u32::from(!self.replace(subject, litmus, seed, &mut left));
-        }
-        self
     }
 
     /// Take a smaller instance, if one of a few runs of it fails in the same way.
     fn replace(&mut self, subject: &Subject, litmus: Litmus, seed: u64, left: &mut u32) -> bool {
-        for trial in 0..TRIALS {
-            *left = left.saturating_sub(1);
+        for trial in 0..TRIALS.min(u64::from(*left)) {
+            *left -= 1;
             let live = run(subject, &litmus, seed.wrapping_add(trial));
             let wrong = live.wrong.iter().find(|(property, _)| *property == self.property);
             if let Some((_, message)) = wrong {
