@@ -50,6 +50,7 @@ fn entries(kept: &Kept) -> u64 {
         Kept::Fragments(lists) => lists.entries.len() as u64,
         Kept::Records(lists) => lists.entries.len() as u64,
         Kept::Color(pixels) => pixels.iter().map(|light| u64::from(light.kept)).sum(),
+        Kept::Depths(_) => 0,
     }
 }
 
@@ -323,6 +324,9 @@ fn told(k: u32) -> Config {
         pages: 300,
         grid: Grid { width: 90, height: 100, tile: 16 },
         table: TableSettings { size: [96, 110], ..TableSettings::default() },
+        records: 700,
+        mask_words: 5,
+        ..Config::default()
     }
 }
 
@@ -350,6 +354,8 @@ fn formula(text: &str, contract: &Contract, k: u32) -> u64 {
         'H' => blocks.div_ceil(64),
         'Q' => config.pages,
         'C' => config.table.cells(),
+        'M' => config.records,
+        'd' => config.mask_words.into(),
         'B' => 12 * 13,
         other => panic!("{other} in {text}"),
     };

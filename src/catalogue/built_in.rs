@@ -8,6 +8,7 @@ use crate::scheme::a_buffer::ab_ll_double::{self, AbDoubleList};
 use crate::scheme::a_buffer::ab_ll_paged::{self, AbPagedList};
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
+use crate::scheme::culling::occupancy::{self, Occupancy};
 use crate::scheme::hash_table::ha::{self, Bits32, Bits64, HaBuffer};
 use crate::scheme::hash_table::ha_cull::{self, HaCull};
 use crate::scheme::hash_table::hash_coherent::{self, HashCoherent};
@@ -20,6 +21,7 @@ use crate::scheme::k_buffer::kb_multi::{self, KBufferMulti};
 use crate::scheme::k_buffer::kb_ps::{self, KbPixelSync};
 use crate::scheme::k_buffer::kb_sr::KbStencilRouted;
 use crate::scheme::k_buffer::z_buffer::{self, ZBuffer};
+use crate::scheme::kplus_buffer::k_variable::{self, KVariable};
 use crate::scheme::kplus_buffer::kplus::KPlus;
 use crate::scheme::kplus_buffer::kplus_array::{KPlusArray, faults};
 use crate::scheme::kplus_buffer::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
@@ -69,6 +71,8 @@ catalogue! {
         KPlusSb,
         KPlusSb<kplus_sb::Heap>,
         KPlusSb<kplus_sb::Published>,
+        KVariable,
+        KVariable<k_variable::Heap>,
         DepthPeel,
         DepthPeel<depth_peel::Published>,
         DualPeel,
@@ -83,6 +87,7 @@ catalogue! {
         HaCull<ha_cull::Published>,
         HashCoherent,
         HashCoherent<hash_coherent::Published>,
+        Occupancy,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -145,8 +150,18 @@ catalogue! {
         HaBuffer<Bits64, ha::faults::Area>,
         HaBuffer<Bits64, ha::faults::NoDepth>,
         HaCull<ha_cull::Braces>,
+        KVariable<k_variable::Rounded>,
+        KVariable<k_variable::FloatQuotient>,
+        KVariable<k_variable::NoBarrier>,
+        KVariable<k_variable::StaleCount>,
+        Occupancy<occupancy::NearEnd>,
+        Occupancy<occupancy::OneTooNear>,
+        Occupancy<occupancy::EndsEarly>,
     }
 }
 
 /// See [`super::DEFAULT`].
 pub(super) const DEFAULT: Method = Method::of::<KPlusArray>();
+
+/// See [`super::OCCUPANCY`].
+pub(super) const OCCUPANCY: Method = Method::of::<Occupancy>();

@@ -97,6 +97,7 @@ pub const MUTATIONS: &[Mutation] = &[
             "s-buffer@M17",
             "ab-ll-bucket@M17",
             "ha64@M17",
+            "k-variable@M17",
         ],
     ),
     built_in(
@@ -178,6 +179,28 @@ pub const MUTATIONS: &[Mutation] = &[
         &["ha64@area"],
     ),
     built_in("no-depth", "records are compared without depth", &["ha64@no-depth"]),
+    built_in(
+        "rounded",
+        "shares of a budget are rounded to the nearest: their sum exceeds it",
+        &["k-variable@rounded"],
+    ),
+    built_in(
+        "float-quotient",
+        "shares of a budget are quotients of floats over a sum of rounded ones",
+        &["k-variable@float-quotient"],
+    ),
+    built_in(
+        "stale-count",
+        "the fragments of one frame are counted for the next",
+        &["k-variable@stale-count"],
+    ),
+    built_in(
+        "near-end",
+        "a bound is the near end of its interval instead of the far end",
+        &["occupancy@near-end"],
+    ),
+    built_in("one-too-near", "a bound is one interval too near", &["occupancy@one-too-near"]),
+    built_in("ends-early", "the walk over set bits ends one too early", &["occupancy@ends-early"]),
     built_in(
         "braces",
         "early culling with the age raised at the end of every iteration, as listed",

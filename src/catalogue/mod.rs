@@ -80,6 +80,9 @@ impl Catalogue {
 /// The default method: `kplus-array`.
 pub const DEFAULT: Method = built_in::DEFAULT;
 
+/// The culling passes that other methods can follow.
+pub const OCCUPANCY: Method = built_in::OCCUPANCY;
+
 /// The built-in method of that name.
 ///
 /// # Errors

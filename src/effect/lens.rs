@@ -29,6 +29,14 @@ pub struct Sight {
     length: f64,
 }
 
+impl Sight {
+    /// The unit vector from what is seen to the eye.
+    #[must_use]
+    pub fn towards_eye(self) -> [f64; 3] {
+        (-self.direction * (1.0 / self.length)).to_array()
+    }
+}
+
 impl Lens {
     /// For an image of `size` pixels whose depths are stored in `format`.
     #[must_use]

@@ -22,6 +22,8 @@ pub struct Tally {
     pub merged: u64,
     /// Rejected before they were stored.
     pub culled: u64,
+    /// Those of them that did not reach the scheme: they lie behind the bound of a culling pass.
+    pub rejected: u64,
     /// Stored, and pushed out later.
     pub evicted: u64,
     /// Entries beyond the number of times they were generated.
@@ -55,6 +57,7 @@ impl Tally {
         self.kept += other.kept;
         self.merged += other.merged;
         self.culled += other.culled;
+        self.rejected += other.rejected;
         self.evicted += other.evicted;
         self.duplicated += other.duplicated;
         self.torn += other.torn;
@@ -83,6 +86,13 @@ impl Tally {
             Outcome::Merged => self.merged += 1,
         }
         true
+    }
+
+    /// Count a fragment that did not reach the scheme.
+    #[inline]
+    pub fn reject(&mut self) {
+        self.culled += 1;
+        self.rejected += 1;
     }
 
     /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept; resolve found

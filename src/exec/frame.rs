@@ -13,7 +13,7 @@ use crate::memory::Counters;
 use crate::raster::Grid;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Kept, Lists};
-use crate::scheme::{Held, HeldKind, Keeps, Light, Record, exact};
+use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +60,8 @@ pub enum Column {
     Records(Vec<Record>),
     /// One colour a pixel.
     Lights(Vec<Light>),
+    /// One depth a pixel.
+    Depths(Vec<Depth>),
 }
 
 impl Default for Column {
@@ -74,6 +76,7 @@ impl Column {
             HeldKind::Fragments => Self::Keys(Vec::new()),
             HeldKind::Records => Self::Records(Vec::new()),
             HeldKind::Color => Self::Lights(Vec::new()),
+            HeldKind::Depth => Self::Depths(Vec::new()),
         }
     }
 
@@ -82,14 +85,14 @@ impl Column {
     pub fn keys(&self) -> &[u64] {
         match self {
             Self::Keys(keys) => keys,
-            Self::Records(_) | Self::Lights(_) => &[],
+            Self::Records(_) | Self::Lights(_) | Self::Depths(_) => &[],
         }
     }
 
     fn records(&self) -> &[Record] {
         match self {
             Self::Records(records) => records,
-            Self::Keys(_) | Self::Lights(_) => &[],
+            Self::Keys(_) | Self::Lights(_) | Self::Depths(_) => &[],
         }
     }
 }
@@ -101,15 +104,35 @@ pub struct PixelCounts {
     pub generated: Vec<u32>,
     /// Culled, evicted or dropped.
     pub gone: Vec<u32>,
+    /// Those of them that did not reach the scheme.
+    pub rejected: Vec<u32>,
 }
 
 impl PixelCounts {
     /// Zeroes for a tile.
     pub fn reset(&mut self, pixels: usize) {
-        for counts in [&mut self.generated, &mut self.gone] {
+        for counts in [&mut self.generated, &mut self.gone, &mut self.rejected] {
             counts.clear();
             counts.resize(pixels, 0);
         }
+    }
+}
+
+impl PixelCounts {
+    /// Count a fragment that did not reach the scheme.
+    #[inline]
+    pub fn reject(&mut self, pixel: usize, reports: &mut Tally) {
+        for counts in [&mut self.generated, &mut self.gone, &mut self.rejected] {
+            counts[pixel] += 1;
+        }
+        reports.reject();
+    }
+
+    /// How many of a pixel's fragments have reached the scheme so far.
+    #[inline]
+    #[must_use]
+    pub fn entered(&self, pixel: usize) -> u32 {
+        self.generated[pixel] - self.rejected[pixel]
     }
 }
 
@@ -182,6 +205,10 @@ impl<'a> Finisher<'a> {
             (Held::Light(light), Column::Lights(all)) => {
                 ray = Ray::of_light(light);
                 all.push(*light);
+            }
+            (Held::Depth(depth), Column::Depths(all)) => {
+                ray.over(gray(*depth));
+                all.push(*depth);
             }
             _ => {}
         }
@@ -270,7 +297,19 @@ impl Frame {
             }
             Some(Column::Lights(_)) => {
                 let (_, pixels) = join::<u64>(&tiles, grid, |_| &[]);
-                (Kept::Color(lights(&tiles, grid)), pixels)
+                let light = |column: &Column, i: usize| match column {
+                    Column::Lights(lights) => lights[i],
+                    _ => Light::default(),
+                };
+                (Kept::Color(each(&tiles, grid, light)), pixels)
+            }
+            Some(Column::Depths(_)) => {
+                let (_, pixels) = join::<u64>(&tiles, grid, |_| &[]);
+                let depth = |column: &Column, i: usize| match column {
+                    Column::Depths(depths) => depths[i],
+                    _ => Depth::default(),
+                };
+                (Kept::Depths(each(&tiles, grid, depth)), pixels)
             }
             Some(Column::Keys(_)) | None => {
                 let (lists, pixels) = join(&tiles, grid, Column::keys);
@@ -348,17 +387,20 @@ fn starts(tile: &TileOutput) -> Vec<u32> {
     tile.counts.iter().map(start).collect()
 }
 
-/// The colours of pixels that hold only a colour, row by row.
-fn lights(tiles: &[TileOutput], grid: &Grid) -> Vec<Light> {
+/// What pixels hold that have one value each, row by row.
+fn each<T>(tiles: &[TileOutput], grid: &Grid, value: impl Fn(&Column, usize) -> T) -> Vec<T> {
     let pixels = (0..grid.height).flat_map(|y| (0..grid.width).map(move |x| (x, y)));
-    let light = |(x, y): (u32, u32)| {
+    let of = |(x, y): (u32, u32)| {
         let tile = (y / grid.tile * grid.columns() + x / grid.tile) as usize;
-        match &tiles[tile].column {
-            Column::Lights(lights) => lights[grid.local_pixel(x, y) as usize],
-            Column::Keys(_) | Column::Records(_) => Light::default(),
-        }
+        value(&tiles[tile].column, grid.local_pixel(x, y) as usize)
     };
-    pixels.map(light).collect()
+    pixels.map(of).collect()
+}
+
+/// A depth as an opaque gray, the darker the farther; no depth is transparent.
+fn gray(Depth(depth): Depth) -> u32 {
+    let [.., upper] = (!depth).to_le_bytes();
+    if depth == u32::MAX { 0 } else { u32::from_le_bytes([upper, upper, upper, 255]) }
 }
 
 /// Compare every pixel's list with the fragments generated there.

@@ -50,6 +50,9 @@ pub trait Instance: Send + Sync {
     /// See [`Scheme::expected`].
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Held>;
 
+    /// See [`Scheme::chosen`].
+    fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32>;
+
     /// An invocation on memory that asks.
     fn ask<'a>(&'a self, mem: &'a Asked<'_>, task: Task) -> Invocation<'a>;
 
@@ -227,6 +230,10 @@ impl<S: Scheme, F: Form> Instance for Made<S, F> {
 
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Held> {
         self.scheme.expected(inputs, pixel, generated).map(Holds::into_held)
+    }
+
+    fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32> {
+        self.scheme.chosen(inputs, counts)
     }
 
     fn ask<'a>(&'a self, mem: &'a Asked<'_>, task: Task) -> Invocation<'a> {

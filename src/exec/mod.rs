@@ -29,11 +29,12 @@ pub mod threads;
 pub mod tile;
 
 use crate::memory::Inputs;
-use crate::raster::{FrontEnd, Record};
+use crate::raster::{Batch, FrontEnd, Record};
 use crate::resolve::sort::Sort;
 use crate::scheme::bound::Bound;
 use crate::scheme::course::Course;
-use crate::scheme::{Contract, HeldKind};
+use crate::scheme::program::PassKind;
+use crate::scheme::{Contract, HeldKind, Keeps};
 
 pub use account::Tally;
 pub use frame::Frame;
@@ -68,4 +69,23 @@ pub struct Job<'a> {
     pub threads: usize,
     /// Transmittance below which nothing behind can be seen, where a method culls early.
     pub opaque: u16,
+    /// By storage pixel, the depth word behind which fragments do not reach the scheme; empty: all of them do.
+    pub culling: Vec<u32>,
+}
+
+impl Job<'_> {
+    /// Whether fragments are kept from a pass of the program: those behind their pixel's bound. A method that chooses
+    /// k by the number of fragments counts all of them.
+    #[must_use]
+    pub fn culls(&self, pass: usize) -> bool {
+        let kind = self.contract.program.passes[pass].kind;
+        let counts = kind == PassKind::Prepare && self.contract.keeps == Keeps::NearestChosen;
+        !self.culling.is_empty() && !counts
+    }
+
+    /// Leave out of a batch what does not reach such a pass, and name the storage pixel of each.
+    #[inline]
+    pub fn cull(&self, batch: &mut Batch, rejected: impl FnMut(u32)) {
+        batch.reject(|f| f.depth > self.culling[f.pixel as usize], rejected);
+    }
 }

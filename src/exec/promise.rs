@@ -3,7 +3,36 @@
 use super::{Instance, Method};
 use crate::memory::Inputs;
 use crate::scheme::bound::Bound;
-use crate::scheme::{Contract, Held, HeldKind};
+use crate::scheme::{Contract, Held, HeldKind, Keeps};
+
+/// How many of each pixel's nearest fragments a method is held to, with the given k and inputs, for so many storage
+/// pixels. `counts` tells how many fragments each has; it is asked only where that matters.
+#[must_use]
+pub fn bound(
+    method: Method,
+    instance: Option<&dyn Instance>,
+    k: Option<u32>,
+    inputs: &Inputs,
+    pixels: u32,
+    counts: impl FnOnce() -> Vec<u32>,
+) -> Bound {
+    let contract = method.contract();
+    match (contract.keeps, instance) {
+        (Keeps::NearestChosen, Some(instance)) => {
+            Bound::PerPixel(instance.chosen(inputs, &counts()))
+        }
+        (Keeps::NearestBy(name), Some(instance)) => {
+            let declared = instance.layout().inputs();
+            match declared.iter().position(|input| input.name == name) {
+                Some(input) => {
+                    Bound::PerPixel((0..pixels).map(|p| inputs.word(input, p)).collect())
+                }
+                None => Bound::All,
+            }
+        }
+        _ => Bound::of(contract.reference_k(k)),
+    }
+}
 
 /// What a method must give, pixel by pixel.
 #[derive(Clone)]

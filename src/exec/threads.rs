@@ -200,6 +200,7 @@ impl Stored {
         PixelCounts {
             generated: generated.unwrap_or_default(),
             gone: gone.iter().map(|g| g.load(Ordering::Relaxed)).collect(),
+            rejected: Vec::new(),
         }
     }
 }
@@ -222,7 +223,7 @@ fn geometry_pass<O: Observer + Default>(
         for _ in 0..(job.threads / 2).max(1) {
             let sender = sender.clone();
             let (next_tile, generated) = (&next_tile, &stored.generated);
-            scope.spawn(move || rasterize(job, next_tile, generated, &sender));
+            scope.spawn(move || rasterize(job, pass.0, next_tile, generated, &sender));
         }
         drop(sender);
         let workers: Vec<_> = (0..job.threads)
@@ -247,29 +248,45 @@ fn geometry_pass<O: Observer + Default>(
     Stored { reports, ..stored }
 }
 
-/// A rasterizer thread: takes tiles until there are none, counts fragments per pixel, sends packets.
+/// A rasterizer thread: takes tiles until there are none, counts fragments per pixel, sends packets. With an interlock,
+/// what is culled must not take a rank, so this thread looks for it, too.
 fn rasterize(
     job: &Job<'_>,
+    number: usize,
     next_tile: &AtomicUsize,
     generated: &[Mutex<Vec<u32>>],
     sender: &Sender<Vec<Sent>>,
 ) {
     let grid = &job.front.grid;
+    let (interlock, culls) = (job.contract.is_interlocked(), job.culls(number));
+    let mut batch = Batch::default();
+    let add = |counts: &mut [u32], mask: u64| {
+        for (bit, count) in counts.iter_mut().enumerate() {
+            *count += (mask >> bit & 1) as u32;
+        }
+    };
     loop {
         let tile = next_tile.fetch_add(1, Ordering::Relaxed);
         if tile >= grid.tiles() {
             return;
         }
         let mut counts = vec![0u32; grid.pixels_per_tile()];
+        let mut entered = vec![0u32; if interlock { grid.pixels_per_tile() } else { 0 }];
         let mut message = Vec::with_capacity(MESSAGE);
         job.front.packets(tile, |packet| {
             let first = grid.local_block(packet) as usize * 64;
-            let block = &mut counts[first..first + 64];
-            let ranks =
-                job.contract.is_interlocked().then(|| Box::new(std::array::from_fn(|i| block[i])));
-            for (bit, count) in block.iter_mut().enumerate() {
-                *count += (packet.mask >> bit & 1) as u32;
-            }
+            add(&mut counts[first..first + 64], packet.mask);
+            let ranks = interlock.then(|| {
+                let block = &mut entered[first..first + 64];
+                let ranks = Box::new(std::array::from_fn(|i| block[i]));
+                let mut mask = packet.mask;
+                if culls {
+                    job.front.fragments(packet, job.record, grid.first_pixel(packet), &mut batch);
+                    job.cull(&mut batch, |pixel| mask &= !(1 << (pixel % 64)));
+                }
+                add(block, mask);
+                ranks
+            });
             message.push(Sent { packet, ranks });
             if message.len() == MESSAGE {
                 // A closed queue means that the workers are gone; the scope reports why.
@@ -298,9 +315,16 @@ fn invoke<O: Observer>(
     let mut reports = Tally::default();
     let mut batch = Batch::default();
     let mut outcomes: Outcomes = [Outcome::Kept; 64];
+    let culls = job.culls(number);
     for Sent { packet, ranks } in receiver.iter().flatten() {
         let first = job.front.grid.first_pixel(packet);
         job.front.fragments(packet, job.record, first, &mut batch);
+        if culls {
+            job.cull(&mut batch, |pixel| {
+                gone[pixel as usize].fetch_add(1, Ordering::Relaxed);
+                reports.reject();
+            });
+        }
         if let Some(ranks) = ranks {
             batch.rank(|pixel| ranks[(pixel - first) as usize]);
         }

@@ -234,6 +234,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
     fn geometry(&self, tile: &mut Tile<O>, number: usize, stores: bool) {
         let (job, grid) = (self.job, &self.job.front.grid);
         let (first, interlock) = (self.first(tile), job.contract.is_interlocked());
+        let culls = job.culls(number);
         let mem = Exclusive::new(&tile.memory, self.global, &job.inputs, &tile.observer)
             .from(first)
             .taking(tile.next.as_ref());
@@ -244,8 +245,11 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         job.front.packets(tile.index, |packet| {
             let place = first + grid.local_block(packet) * 64;
             job.front.fragments(packet, job.record, place, batch);
+            if culls {
+                job.cull(batch, |pixel| counts.reject((pixel - first) as usize, reports));
+            }
             if interlock {
-                batch.rank(|pixel| counts.generated[(pixel - first) as usize]);
+                batch.rank(|pixel| counts.entered((pixel - first) as usize));
             }
             let fragments = batch.fragments();
             if stores {

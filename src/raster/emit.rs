@@ -43,6 +43,26 @@ impl Batch {
         }
     }
 
+    /// Leave out those for which `is_rejected` is true, and name the pixel of each.
+    #[inline]
+    pub fn reject(
+        &mut self,
+        is_rejected: impl Fn(&Fragment) -> bool,
+        mut rejected: impl FnMut(u32),
+    ) {
+        let mut left = 0;
+        for i in 0..self.len {
+            let fragment = self.fragments[i];
+            if is_rejected(&fragment) {
+                rejected(fragment.pixel);
+            } else {
+                self.fragments[left] = fragment;
+                left += 1;
+            }
+        }
+        self.len = left;
+    }
+
     #[inline]
     fn push(&mut self, fragment: Fragment) {
         // The mask has 64 bits, so the index never wraps; the mask only spares the check.

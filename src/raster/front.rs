@@ -9,7 +9,7 @@ use super::clip::{Polygon, Viewport};
 use super::grid::Grid;
 use super::place::Placed;
 use super::primitive::{Primitive, Rect, Setup};
-use super::shade::{Attenuation, Surface};
+use super::shade::{Attenuation, Seen, Surface};
 use crate::fragment::Packet;
 use crate::num::color;
 use crate::scene::{Scene, ScreenTriangle};
@@ -79,7 +79,7 @@ impl FrontEnd {
     ) -> Self {
         let attenuated = attenuation.is_some();
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target = Target { viewport, image: grid.image(), cull, attenuated, outlines: false };
+        let target = Target { attenuated, ..Target::new(viewport, grid.image(), cull) };
         Self { attenuation, ..Self::of(scene, grid, target) }
     }
 
@@ -87,9 +87,43 @@ impl FrontEnd {
     #[must_use]
     pub fn outlined(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target =
-            Target { viewport, image: grid.image(), cull, attenuated: false, outlines: true };
+        let target = Target { outlines: true, ..Target::new(viewport, grid.image(), cull) };
         Self::of(scene, grid, target)
+    }
+
+    /// As [`FrontEnd::new`], for runs that store triangle indices and ask for normals ([`FrontEnd::normal_of`]).
+    #[must_use]
+    pub fn with_normals(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
+        let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
+        let image = grid.image();
+        Self::of(scene, grid, Target { normals: true, ..Target::new(viewport, image, cull) })
+    }
+
+    /// The unit normal of a triangle at a pixel, towards the viewer, in world space; `None` for triangles given in
+    /// pixels, those that are not visible, and without [`FrontEnd::with_normals`].
+    #[must_use]
+    pub fn normal_of(&self, triangle: u32, x: u32, y: u32) -> Option<[f32; 3]> {
+        self.surface(self.primitive_of(triangle)?).normal(x, y)
+    }
+
+    /// By storage pixel, how many fragments it has.
+    #[must_use]
+    pub fn counts(&self) -> Vec<u32> {
+        let tiles = (0..self.grid.tiles()).into_par_iter().map(|tile| self.counts_of(tile));
+        tiles.collect::<Vec<_>>().concat()
+    }
+
+    fn counts_of(&self, tile: usize) -> Vec<u32> {
+        let mut counts = vec![0u32; self.grid.pixels_per_tile()];
+        self.packets(tile, |p| {
+            let block = self.grid.local_block(p) as usize * 64;
+            let mut mask = p.mask;
+            while mask != 0 {
+                counts[block + mask.trailing_zeros() as usize] += 1;
+                mask &= mask - 1;
+            }
+        });
+        counts
     }
 
     fn of(scene: &Scene, grid: Grid, target: Target) -> Self {
@@ -216,15 +250,7 @@ impl FrontEnd {
     #[must_use]
     pub fn depth_complexity(&self) -> Vec<u64> {
         let tile = |t: usize| {
-            let mut counts = vec![0u32; self.grid.pixels_per_tile()];
-            self.packets(t, |p| {
-                let block = self.grid.local_block(p) as usize * 64;
-                let mut mask = p.mask;
-                while mask != 0 {
-                    counts[block + mask.trailing_zeros() as usize] += 1;
-                    mask &= mask - 1;
-                }
-            });
+            let counts = self.counts_of(t);
             let mut histogram = vec![0u64; counts.iter().max().map_or(0, |&f| f as usize) + 1];
             counts.iter().for_each(|&f| histogram[f as usize] += 1);
             histogram
@@ -263,7 +289,11 @@ impl Chunk {
                 Some(corners) => {
                     let polygon = target.viewport.clip(corners.clip);
                     chunk.add(target, index, &polygon, |back, bounds| {
-                        let seen = [back, target.attenuated];
+                        let seen = Seen {
+                            turned: back,
+                            attenuated: target.attenuated,
+                            normals: target.normals,
+                        };
                         placed.surface(&corners, seen, &target.viewport, bounds)
                     });
                 }
@@ -322,6 +352,14 @@ struct Target {
     attenuated: bool,
     /// Whether corners are kept.
     outlines: bool,
+    /// Whether normals are.
+    normals: bool,
+}
+
+impl Target {
+    fn new(viewport: Viewport, image: Rect, cull: CullFace) -> Self {
+        Self { viewport, image, cull, attenuated: false, outlines: false, normals: false }
+    }
 }
 
 /// Bins in CSR form: starts per tile, then primitive indices in submission order.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::clip::Viewport;
 use super::primitive::Rect;
-use super::shade::{Corners, Lighting, Surface};
+use super::shade::{Corners, Lighting, Seen, Surface};
 use crate::scene::{Material, Mesh, Object, Scene};
 
 /// An object with its vertices transformed.
@@ -57,16 +57,15 @@ impl<'a> Placed<'a> {
         Some(Corners { clip, face_normal, normals, colors })
     }
 
-    /// The surface of a triangle seen from its back or front, in light that is attenuated or not.
+    /// The surface of a triangle, as it is seen.
     pub(super) fn surface(
         &self,
         corners: &Corners,
-        [back, attenuated]: [bool; 2],
+        seen: Seen,
         viewport: &Viewport,
         bounds: Rect,
     ) -> Surface {
-        let turned = [back, attenuated];
-        Surface::new(corners, self.material, self.light, turned, viewport, bounds)
+        Surface::new(corners, self.material, self.light, seen, viewport, bounds)
     }
 }
 

@@ -106,15 +106,25 @@ pub struct Corners {
     pub colors: Option<[Rgb; 3]>,
 }
 
+/// How a triangle is seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// From its back: normals are reversed.
+    pub turned: bool,
+    /// In light that will be attenuated.
+    pub attenuated: bool,
+    /// Its normals will be asked for.
+    pub normals: bool,
+}
+
 impl Surface {
-    /// Shade at set-up what does not vary. `turned` means that the back face is seen: normals are reversed.
-    /// `attenuated` means that the light will be attenuated.
+    /// Shade at set-up what does not vary.
     #[must_use]
     pub fn new(
         corners: &Corners,
         material: &Material,
         light: Lighting,
-        [turned, attenuated]: [bool; 2],
+        Seen { turned, attenuated, normals }: Seen,
         viewport: &Viewport,
         bounds: Rect,
     ) -> Self {
@@ -122,10 +132,11 @@ impl Surface {
         let face_normal = unit(corners.face_normal).map(|c| c * sign);
         let tint = |c: Rgb| std::array::from_fn(|i| c[i] * material.color[i]);
         let lit = material.shading != Shading::Flat;
-        if corners.colors.is_none() && (corners.normals.is_none() || !lit) {
+        let varies = corners.normals.is_some() && (lit || normals);
+        if corners.colors.is_none() && !varies {
             let Material { color, alpha, shading, .. } = *material;
             let even = Even { color, normal: face_normal, alpha, shading, light };
-            return match attenuated && lit {
+            return match (attenuated && lit) || normals {
                 true => Self::Even(Box::new(even)),
                 false => Self::Uniform(even.at(ALL)),
             };
@@ -153,6 +164,16 @@ impl Surface {
         }
     }
 
+    /// The unit normal at pixel (x, y), if it is known.
+    #[must_use]
+    pub fn normal(&self, x: u32, y: u32) -> Option<[f32; 3]> {
+        match self {
+            Self::Uniform(_) => None,
+            Self::Varying(varying) => Some(varying.normal(varying.parts(x, y))),
+            Self::Even(even) => Some(even.normal),
+        }
+    }
+
     /// The data word at pixel (x, y), where the share `reaches` of the light arrives, 0 to 65,535 per channel.
     #[must_use]
     pub fn attenuated(&self, x: u32, y: u32, reaches: [u16; 3]) -> u32 {
@@ -169,18 +190,32 @@ impl Varying {
     // Always inline, here and in `shade`: without attenuation, multiplying by 1 must cost nothing.
     #[inline(always)]
     fn at(&self, x: u32, y: u32, reaches: Rgb) -> u32 {
+        let parts = self.parts(x, y);
+        let color = blend(parts, &self.colors);
+        let rgb = self.light.shade(self.shading, color, self.normal(parts), reaches);
+        color::rgba8(rgb, self.alpha)
+    }
+
+    /// How much of each corner there is at pixel (x, y); the sum is 1.
+    #[inline(always)]
+    fn parts(&self, x: u32, y: u32) -> [f32; 3] {
         let dx = x as f32 - self.origin[0] as f32;
         let dy = y as f32 - self.origin[1] as f32;
         let w = self.weights.map(|[a, b, c]| ((a * dx + b * dy) + c).max(0.0));
         let sum = (w[0] + w[1]) + w[2];
-        let w = if sum > 0.0 && sum.is_finite() { w.map(|w| w / sum) } else { [1.0, 0.0, 0.0] };
-        let blend = |v: &[Rgb; 3]| -> Rgb {
-            std::array::from_fn(|i| (w[0] * v[0][i] + w[1] * v[1][i]) + w[2] * v[2][i])
-        };
-        let normal = normalized(blend(&self.normals)).unwrap_or(self.face_normal);
-        let rgb = self.light.shade(self.shading, blend(&self.colors), normal, reaches);
-        color::rgba8(rgb, self.alpha)
+        if sum > 0.0 && sum.is_finite() { w.map(|w| w / sum) } else { [1.0, 0.0, 0.0] }
     }
+
+    #[inline(always)]
+    fn normal(&self, parts: [f32; 3]) -> Rgb {
+        normalized(blend(parts, &self.normals)).unwrap_or(self.face_normal)
+    }
+}
+
+/// The mixture of three corners.
+#[inline(always)]
+fn blend(w: [f32; 3], v: &[Rgb; 3]) -> Rgb {
+    std::array::from_fn(|i| (w[0] * v[0][i] + w[1] * v[1][i]) + w[2] * v[2][i])
 }
 
 impl Lighting {
@@ -272,8 +307,14 @@ mod tests {
         };
         let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.0 };
         let bounds = Rect { x0: 0, y0: 0, x1: 8, y1: 8 };
-        let surface =
-            Surface::new(&corners, &material(Shading::Flat), light, [false; 2], &VIEWPORT, bounds);
+        let surface = Surface::new(
+            &corners,
+            &material(Shading::Flat),
+            light,
+            Seen::default(),
+            &VIEWPORT,
+            bounds,
+        );
         for x in 0..8 {
             let s = (f64::from(x) + 0.5) / 8.0;
             let expected = (s / 4.0) / ((1.0 - s) + s / 4.0);

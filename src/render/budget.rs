@@ -9,6 +9,7 @@ use crate::exec::Method;
 use crate::raster::FrontEnd;
 use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Demand, Keeps};
+use crate::scheme::kplus_buffer::k_variable::MOST_RECORDS;
 
 /// The result of a budget.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -17,7 +18,8 @@ pub struct Budget {
     pub bytes: u64,
     /// The chosen k, if storage depends on it.
     pub k: Option<u32>,
-    /// Otherwise, how many fragments there is room for: in the frame, or at each pixel.
+    /// Otherwise, how many fragments there is room for: in the frame, or at each pixel; or how many records are divided
+    /// among the pixels.
     pub room: Option<u64>,
     /// For every number of fragments, how many pixels have it.
     pub histogram: Vec<u64>,
@@ -32,12 +34,14 @@ pub(super) struct Scene<'a> {
     histogram: Vec<u64>,
     method: Method,
     contract: &'static Contract,
+    /// What does not depend on the scene.
+    base: Config,
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn new(front: &'a FrontEnd, method: Method) -> Self {
+    pub(super) fn new(front: &'a FrontEnd, method: Method, base: Config) -> Self {
         let (histogram, contract) = (front.depth_complexity(), method.contract());
-        Self { front, histogram, method, contract }
+        Self { front, histogram, method, contract, base }
     }
 
     fn sum(&self, of: impl Fn(u64) -> u64) -> u64 {
@@ -55,7 +59,7 @@ impl<'a> Scene<'a> {
             bounded: self.sum(|f| bound.map_or(f, |k| k.min(f))),
             pages: self.sum(|f| f.div_ceil(u64::from(self.contract.page))),
             grid: self.front.grid,
-            ..Config::default()
+            ..self.base
         }
     }
 
@@ -68,6 +72,12 @@ impl<'a> Scene<'a> {
         histogram[0] -= padding;
         let mut budget = Budget { bytes, histogram, ..Budget::default() };
         let size = |config: Config| storage_bytes(self.method, &config);
+        if self.contract.demand == Demand::Records {
+            let with = |records: u64| Config { records, ..self.config(k) };
+            let records = self.largest(MOST_RECORDS, &|n| size(with(n)), bytes, "one fragment")?;
+            budget.room = Some(records);
+            return Ok((with(records), budget));
+        }
         let takes_k = self.contract.default_k.is_some();
         let ends = [1, most.max(2) as u32].map(|k| size(self.config(Some(k))));
         let [small, large] = ends;

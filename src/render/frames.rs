@@ -7,10 +7,12 @@
 
 use glam::DVec3;
 
+use super::importance::fresnel;
 use super::{Options, Rendering, render};
 use crate::error::{Error, Result};
 use crate::num::random;
 use crate::scene::{Bounds, Scene};
+use crate::scheme::contract::Demand;
 use crate::scheme::hash_table::table::{MOST_CELLS, Offsets, size_for};
 
 /// Load, in per cent, from which a table grows.
@@ -83,9 +85,14 @@ pub fn animate(
     let follows =
         contract.crosses() && options.table.load.is_none() && options.memory_budget.is_none();
     let mut size = follows.then(|| options.table.size.unwrap_or(scene.size));
+    // What the next frame's importance takes from this one.
+    let looks_back = contract.demand == Demand::Records && options.importance.factors.fresnel;
+    let mut fresnel_before = None;
     for number in 0..frames {
         let scene = seen_from(scene, f64::from(number) / f64::from(frames));
         let mut frame = Options { table: options.table.clone(), ..options.clone() };
+        frame.importance.frame = number;
+        frame.importance.fresnel = fresnel_before.take();
         if frame.table.offsets == Offsets::Random {
             frame.table.seed = random::bits(options.table.seed, FRAMES, number.into());
         }
@@ -114,6 +121,9 @@ pub fn animate(
         };
         if let (Some(now), Some(table)) = (size, &rendering.report.table) {
             size = Some(next(now, table.stored, scene.size));
+        }
+        if looks_back && number + 1 < frames {
+            fresnel_before = Some((scene.size, fresnel(&scene, &frame)));
         }
         take(AnimatedFrame { number, retries, rendering })?;
     }

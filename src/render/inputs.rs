@@ -1,7 +1,7 @@
 //! Inputs: what the application fills before a frame, by the names that a method declares.
 
-use super::Options;
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::memory::{Declared, Inputs, Layout, Per};
 use crate::raster::Grid;
 use crate::scene::Scene;
@@ -95,18 +95,19 @@ fn triangles(scene: &Scene) -> Vec<usize> {
 /// # Errors
 /// An input that the method does not have, or words of another number or kind.
 pub(super) fn fill(
-    options: &Options,
+    given: &[(String, Given)],
+    method: Method,
     layout: &Layout,
     scene: &Scene,
     grid: &Grid,
 ) -> Result<Inputs> {
     let declared = layout.inputs();
     let mut inputs = Inputs::defaults(layout);
-    for (name, given) in &options.inputs {
+    for (name, given) in given {
         let Some(input) = declared.iter().position(|d| d.name == name) else {
             let names: Vec<&str> = declared.iter().map(|d| d.name).collect();
             let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-            let problem = format!("{} has no such input; it has {known}", options.method);
+            let problem = format!("{} has no such input; it has {known}", method);
             return Err(Error::new(place(name), problem));
         };
         inputs.fill(input, given.words(&declared[input], scene, grid)?);

@@ -1,8 +1,10 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
 mod budget;
+mod culling;
 mod effects;
 mod frames;
+mod importance;
 mod inputs;
 mod limits;
 mod options;
@@ -16,7 +18,7 @@ use crate::effect::{Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
-use crate::exec::{self, Frame, Instance, Job, Method, Tally};
+use crate::exec::{self, Frame, Instance, Job, Tally, promise};
 use crate::image::Image;
 use crate::memory::{Counters, Inputs};
 use crate::num::color::word16;
@@ -26,6 +28,7 @@ use crate::scene::Scene;
 use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::course::Course;
+use crate::scheme::kplus_buffer::k_variable::MOST_RECORDS;
 use crate::scheme::{Config, HeldKind};
 
 pub use crate::effect::Effect;
@@ -36,7 +39,11 @@ pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash_table::table::Offsets;
 pub use budget::{Budget, storage_bytes};
+pub use culling::{CullingReport, DEFAULT_WORDS};
 pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
+pub use importance::{
+    Factors, Importance, ImportanceMap, ImportanceReport, Reach, Shares, fresnel,
+};
 pub use inputs::Given;
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
 pub use reference::{Reference, reference};
@@ -54,6 +61,8 @@ pub struct Rendering {
     pub surfaces: Option<Lists>,
     /// With [`Effect::Ldi`], what is solid, if requested.
     pub voxels: Option<Voxels>,
+    /// How records were divided, where a method divides them by importance.
+    pub shares: Option<Shares>,
     /// Accounting, counters, hashes, times.
     pub report: Report,
     /// The recorded schedule, if asked for.
@@ -121,20 +130,17 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
     let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
     watch.lap("setup");
-    let (mut config, before_tile) = configure(&front, method, options.k.or(contract.default_k));
-    let mut chosen = None;
-    if let Some(bytes) = options.memory_budget {
-        let (within, budget) = budget::Scene::new(&front, method).within(bytes, options.k)?;
-        (config, chosen) = (within, Some(budget));
-    }
-    config.grid = grid;
-    if contract.crosses() {
-        config.table = options.table.settings(config.generated, scene.size)?;
-    }
+    let (config, before_tile, chosen) =
+        configure(&front, options, options.k.or(contract.default_k))?;
     let k = config.k;
     let instance = method.instance(&config);
-    let (inputs, nearest) = held_to(instance.as_deref(), scene, options, &grid, k)?;
+    let (inputs, nearest) = held_to(instance.as_deref(), scene, options, &front, k)?;
     watch.lap("count");
+    let culled = culling::draw(scene, options, &front, &nearest, threads)?;
+    let (bounds, culling) = culled.map(|c| (c.bounds, c.report)).unzip();
+    if culling.is_some() {
+        watch.lap("culling");
+    }
     let job = Job {
         front: &front,
         record: options.record(),
@@ -149,6 +155,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         whole_pools: chosen.is_none(),
         threads,
         opaque: options.table.opaque(),
+        culling: bounds.unwrap_or_default(),
     };
     limits::kept(options, &job)?;
     limits::voxels(options, &grid)?;
@@ -170,8 +177,12 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     report.budget = chosen;
     report.k = match contract.keeps {
         Keeps::One => Some(1),
+        Keeps::NearestChosen => None,
         _ => k,
     };
+    let shares = divided(options, &job, config.records, &mut report);
+    report.culling = culling;
+    culled_at(options, &job, &executed.frame.tally, &mut report);
     report.threads = threads;
     report.image_hash = image.hash();
     report.fragments_hash = kept_hash(&kept);
@@ -180,15 +191,28 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let passes = std::mem::take(&mut executed.frame.seconds).into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
-    Ok(Rendering { image, kept, surfaces, voxels, report, schedule, watched })
+    Ok(Rendering { image, kept, surfaces, voxels, shares, report, schedule, watched })
 }
 
-/// What the method must know of the scene, measured only if needed; and the fragments before each tile, and in total.
-fn configure(front: &FrontEnd, method: Method, k: Option<u32>) -> (Config, Vec<u64>) {
-    let contract = method.contract();
-    let pixels = front.grid.storage_pixels() as u32;
-    let mut config = Config { k, pixels, ..Config::default() };
-    let mut before_tile = Vec::new();
+/// What the method must know of the scene, measured only if needed; the fragments before each tile, and in total; and
+/// what a memory budget chose.
+fn configure(
+    front: &FrontEnd,
+    options: &Options,
+    k: Option<u32>,
+) -> Result<(Config, Vec<u64>, Option<Budget>)> {
+    let (method, contract) = (options.method, options.method.contract());
+    let grid = front.grid;
+    let pixels = u64::from(grid.width) * u64::from(grid.height);
+    let base = Config {
+        k,
+        pixels: grid.storage_pixels() as u32,
+        weighting: options.importance.weighting(),
+        mask_words: options.cull.unwrap_or(culling::DEFAULT_WORDS),
+        grid,
+        ..Config::default()
+    };
+    let (mut config, mut before_tile, mut chosen) = (base, Vec::new(), None);
     match contract.demand {
         Demand::Generated => {
             before_tile = front.count_fragments();
@@ -202,10 +226,37 @@ fn configure(front: &FrontEnd, method: Method, k: Option<u32>) -> (Config, Vec<u
         Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
             config.max_depth_complexity = front.max_depth_complexity();
         }
-        Demand::Bounded => config = budget::Scene::new(front, method).config(k),
-        _ => {}
+        Demand::Bounded => config = budget::Scene::new(front, method, base).config(k),
+        Demand::Records => config.records = records(options, k, pixels)?,
+        Demand::MaxDepthComplexity | Demand::Nothing => {}
     }
-    (config, before_tile)
+    if let Some(bytes) = options.memory_budget {
+        // The culling passes' words count, too.
+        let culling = culling::bytes(options, u64::from(base.pixels));
+        let left = bytes.checked_sub(culling).filter(|left| *left > 0).ok_or_else(|| {
+            let problem = format!("{bytes} bytes: culling alone needs {culling} at this size");
+            Error::new("--memory-budget", problem)
+        })?;
+        let scene = budget::Scene::new(front, method, base);
+        let (within, budget) = scene.within(left, options.k)?;
+        (config, chosen) = (within, Some(Budget { bytes, ..budget }));
+    }
+    if contract.crosses() {
+        config.table = options.table.settings(config.generated, [grid.width, grid.height])?;
+    }
+    Ok((config, before_tile, chosen))
+}
+
+/// The records that a method may divide among so many pixels.
+fn records(options: &Options, k: Option<u32>, pixels: u64) -> Result<u64> {
+    let average = options.k_average.unwrap_or(f64::from(k.unwrap_or(8)));
+    let records = (average * pixels as f64) as u64;
+    if records > MOST_RECORDS {
+        let option = if options.k_average.is_some() { "--k-average" } else { "-k" };
+        let problem = format!("gives {pixels} pixels {records} records, at most {MOST_RECORDS}");
+        return Err(Error::new(option, problem));
+    }
+    Ok(records)
 }
 
 /// The words of a method's inputs, and how many of each pixel's nearest fragments it must keep.
@@ -213,16 +264,73 @@ fn held_to(
     instance: Option<&dyn Instance>,
     scene: &Scene,
     options: &Options,
-    grid: &Grid,
+    front: &FrontEnd,
     k: Option<u32>,
 ) -> Result<(Inputs, Bound)> {
     let contract = options.method.contract();
     let Some(instance) = instance else {
         return Ok((Inputs::default(), Bound::of(contract.reference_k(k))));
     };
-    let inputs = inputs::fill(options, instance.layout(), scene, grid)?;
-    let bound = contract.bound(k, instance.layout(), &inputs, grid.storage_pixels() as u32);
+    let grid = &front.grid;
+    let mut given = Vec::new();
+    if contract.demand == Demand::Records {
+        options.importance.check_for(scene.size)?;
+        // What the caller gives comes last, and counts.
+        given.extend(options.importance.inputs(scene.size));
+    }
+    given.extend(options.inputs.iter().cloned());
+    let inputs = inputs::fill(&given, options.method, instance.layout(), scene, grid)?;
+    let pixels = grid.storage_pixels() as u32;
+    let counts = || front.counts();
+    let bound = promise::bound(options.method, Some(instance), k, &inputs, pixels, counts);
     Ok((inputs, bound))
+}
+
+/// How a method divided its records, for its report and for pictures.
+fn divided(options: &Options, job: &Job<'_>, records: u64, report: &mut Report) -> Option<Shares> {
+    let (Keeps::NearestChosen, Bound::PerPixel(ks)) = (job.contract.keeps, &job.nearest) else {
+        return None;
+    };
+    let counts = job.front.counts();
+    if let Some(budget) = &mut report.budget {
+        let beyond = counts.iter().zip(ks).map(|(n, k)| u64::from(n.saturating_sub(*k)));
+        budget.beyond = beyond.sum();
+    }
+    // The factor is the method's first input, the bias its second.
+    let [factor, bias] = [0, 1].map(|input| move |pixel| job.inputs.word(input, pixel));
+    let of = (&factor as &dyn Fn(u32) -> u32, &bias as &dyn Fn(u32) -> u32);
+    let grid = &job.front.grid;
+    let (shares, divided) = options.importance.outcome(grid, records, of, (ks, &counts));
+    let pixels = u64::from(grid.width) * u64::from(grid.height);
+    if records < pixels {
+        report.warnings.push(format!(
+            "{records} records for {pixels} pixels: most pixels of an even picture get none"
+        ));
+    }
+    if let Some([width, height]) = options.importance.map.as_ref().map(ImportanceMap::size)
+        && [width, height] != [grid.width, grid.height]
+    {
+        report.warnings.push(format!(
+            "the importance map has {width}x{height} pixels and the picture {}x{}: it is stretched",
+            grid.width, grid.height
+        ));
+    }
+    report.importance = Some(divided);
+    Some(shares)
+}
+
+/// How many fragments were rejected where.
+fn culled_at(options: &Options, job: &Job<'_>, tally: &Tally, report: &mut Report) {
+    let Some(culling) = &mut report.culling else { return };
+    culling.rejected_before = tally.rejected;
+    culling.rejected_inside = tally.culled.saturating_sub(tally.rejected);
+    report.bytes += culling.bytes;
+    if culling::is_idle(options.cull.unwrap_or(culling::DEFAULT_WORDS), &job.nearest) {
+        report.warnings.push(format!(
+            "--cull: {} intervals cannot tell more fragments apart than are kept: nothing is culled",
+            culling.intervals
+        ));
+    }
 }
 
 /// Everything that an interleaving and its result depend on, so that a schedule is not replayed on something else: the
@@ -236,8 +344,14 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     let size = (front.grid.width, front.grid.height);
     // The name under which schedules were recorded.
     let table = format!("{table:?}").replacen("TableOptions", "HashOptions", 1);
-    let head =
+    let mut head =
         format!("{size:?} {method} {k:?} {memory_budget:?} {depth_format:?} {data:?} {table}");
+    if let Some(words) = options.cull {
+        head += &format!(" cull {words}");
+    }
+    if method.contract().demand == Demand::Records {
+        head += &format!(" {:?} {:?}", options.k_average, options.importance);
+    }
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }

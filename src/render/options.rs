@@ -10,6 +10,8 @@ use crate::raster::{CullFace, Record};
 use crate::scene::MAX_SIZE;
 use crate::scheme::HeldKind;
 
+use super::culling;
+use super::importance::Importance;
 use super::inputs::Given;
 use super::no_lists;
 use super::table::TableOptions;
@@ -50,6 +52,14 @@ pub struct Options {
     pub memory_budget: Option<u64>,
     /// The method's inputs, by name; those that are not given have their defaults.
     pub inputs: Vec<(String, Given)>,
+    /// Cull fragments before the method sees them, by an occupancy mask of this many words a pixel, 1 to 256. For a
+    /// method that keeps the nearest fragments, and for the culling passes themselves (32, if it is not given).
+    pub cull: Option<u32>,
+    /// For a method that divides records by importance: how many a pixel has on average, 0 or more; `None` is `k`. Not
+    /// together with a memory budget.
+    pub k_average: Option<f64>,
+    /// What makes a pixel important.
+    pub importance: Importance,
     /// How hash tables are made.
     pub table: TableOptions,
     /// How a pixel's fragments are sorted.
@@ -76,6 +86,9 @@ impl Default for Options {
             counters: true,
             memory_budget: None,
             inputs: Vec::new(),
+            cull: None,
+            k_average: None,
+            importance: Importance::default(),
             table: TableOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
@@ -173,6 +186,8 @@ impl Options {
             data,
             memory_budget: None,
             inputs: Vec::new(),
+            cull: None,
+            k_average: None,
             ..self.clone()
         }
     }
@@ -199,6 +214,8 @@ impl Options {
                 format!("{bytes} bytes, and -k: the budget chooses k, so give one of them");
             return wrong("--memory-budget", problem);
         }
+        self.check_records()?;
+        culling::check(self)?;
         if ![16, 32, 64].contains(&self.tile) {
             return wrong("--tile", format!("is {}, but must be 16, 32 or 64 pixels", self.tile));
         }
@@ -235,6 +252,23 @@ impl Options {
         }
         self.check_effect()?;
         self.check_shadows()
+    }
+
+    /// What divides records among pixels.
+    fn check_records(&self) -> Result<()> {
+        let wrong = |option: &str, problem: String| Err(Error::new(option, problem));
+        if let Some(average) = self.k_average {
+            let most = f64::from(u32::MAX);
+            if !(0.0..=most).contains(&average) {
+                return wrong("--k-average", format!("is {average}, but must be 0 to {most}"));
+            }
+            if self.memory_budget.is_some() {
+                let problem =
+                    format!("is {average}, and --memory-budget: both give the records, give one");
+                return wrong("--k-average", problem);
+            }
+        }
+        self.importance.check()
     }
 
     fn check_effect(&self) -> Result<()> {

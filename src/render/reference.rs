@@ -1,12 +1,12 @@
 //! The exact answer: what a method must give for a scene, with its options.
 
-use super::{Options, held_to, render};
+use super::{Options, configure, held_to, render};
 use crate::error::Result;
 use crate::exec::promise::Promise;
-use crate::raster::Grid;
+use crate::raster::{FrontEnd, Grid};
 use crate::resolve::{Kept, Lists};
 use crate::scene::Scene;
-use crate::scheme::{Config, Held, HeldKind};
+use crate::scheme::{Held, HeldKind};
 
 /// What a method must give on a scene.
 #[derive(Clone, Debug)]
@@ -39,9 +39,10 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let all = render(scene, &exact)?.lists()?.clone();
     let k = options.k.or(options.method.contract().default_k);
     let grid = Grid { width: all.width, height: all.height, tile: options.tile };
-    let config = Config { k, pixels: grid.storage_pixels() as u32, grid, ..Config::default() };
+    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let (config, _, _) = configure(&front, options, k)?;
     let instance = options.method.instance(&config);
-    let (inputs, bound) = held_to(instance.as_deref(), scene, options, &grid, k)?;
+    let (inputs, bound) = held_to(instance.as_deref(), scene, options, &front, k)?;
     let promise = Promise::new(options.method, instance.as_deref(), &inputs, bound);
     let kept = kept(&all, &grid, options.method.holds(), &promise);
     Ok(Reference { all, kept })
@@ -51,12 +52,14 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
 fn kept(all: &Lists, grid: &Grid, holds: HeldKind, promise: &Promise<'_>) -> Option<Kept> {
     let Lists { width, height, .. } = *all;
     let mut offsets = vec![0];
-    let (mut keys, mut records, mut lights) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut keys, mut records) = (Vec::new(), Vec::new());
+    let (mut lights, mut depths) = (Vec::new(), Vec::new());
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         match promise.pixel(grid.pixel(x, y), all.pixel(x, y))? {
             Held::Keys(list) => keys.extend(list),
             Held::Records(list) => records.extend(list.list),
             Held::Light(light) => lights.push(light),
+            Held::Depth(depth) => depths.push(depth),
         }
         offsets.push((keys.len() + records.len()) as u64);
     }
@@ -64,5 +67,6 @@ fn kept(all: &Lists, grid: &Grid, holds: HeldKind, promise: &Promise<'_>) -> Opt
         HeldKind::Fragments => Kept::Fragments(Lists { width, height, offsets, entries: keys }),
         HeldKind::Records => Kept::Records(Lists { width, height, offsets, entries: records }),
         HeldKind::Color => Kept::Color(lights),
+        HeldKind::Depth => Kept::Depths(depths),
     })
 }

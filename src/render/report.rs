@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Budget, TableReport};
+use super::{Budget, CullingReport, ImportanceReport, TableReport};
 
 /// The accounting of a frame from the light.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -67,6 +67,12 @@ pub struct Report {
     /// The result of a memory budget, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
+    /// How records were divided, if the method divides them by importance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub importance: Option<ImportanceReport>,
+    /// What the culling passes did, if there were any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub culling: Option<CullingReport>,
     /// The hash table, if the method has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<TableReport>,

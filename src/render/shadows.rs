@@ -78,7 +78,11 @@ fn plain(options: &Options) -> Options {
     // A table that is sized for the image need not fit the light's image.
     let table = TableOptions { size: None, ..options.table.clone() };
     let cull_face = CullFace::None;
-    let mut plain = Options { data, cull_face, effect, shadows: None, table, ..options.clone() };
+    // Nobody looks from there.
+    let importance = options.importance.elsewhere();
+    let shadows = None;
+    let mut plain =
+        Options { data, cull_face, effect, shadows, table, importance, ..options.clone() };
     if let Exec::Sim(Sim { watch, .. }) = &mut plain.exec {
         *watch = None;
     }

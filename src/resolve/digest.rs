@@ -4,18 +4,19 @@ use sha2::{Digest, Sha256};
 
 use super::{Kept, Lists};
 use crate::num::hex;
-use crate::scheme::Record;
+use crate::scheme::{Depth, Record};
 
 /// Bytes gathered before the hash sees them: lists may fill most of the memory, so they are never copied whole.
 const CHUNK: usize = 1 << 16;
 
 /// What a frame's pixels hold, as SHA-256, hexadecimal: of lists of fragments ([`fragments_hash`]) and of merged
-/// records ([`records_hash`]); `None` where there are no lists.
+/// records ([`records_hash`]), and of depths, row by row; `None` where there are only colours.
 #[must_use]
 pub fn kept_hash(kept: &Kept) -> Option<String> {
     match kept {
         Kept::Fragments(lists) => Some(fragments_hash(lists)),
         Kept::Records(lists) => Some(records_hash(lists)),
+        Kept::Depths(depths) => Some(depths_hash(depths)),
         Kept::Color(_) => None,
     }
 }
@@ -41,6 +42,12 @@ pub fn records_hash(lists: &Lists<Record>) -> String {
     let colors: Vec<f64> = records.iter().flat_map(|record| record.rgba).collect();
     update(&mut hasher, &colors, f64::to_le_bytes);
     update(&mut hasher, records, |record| record.weight.to_le_bytes());
+    hex(&hasher.finalize())
+}
+
+fn depths_hash(depths: &[Depth]) -> String {
+    let mut hasher = Sha256::new();
+    update(&mut hasher, depths, |Depth(depth)| depth.to_le_bytes());
     hex(&hasher.finalize())
 }
 

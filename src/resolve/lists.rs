@@ -1,6 +1,6 @@
 //! What a frame's pixels hold, row by row.
 
-use crate::scheme::{HeldKind, Light, Record};
+use crate::scheme::{Depth, HeldKind, Light, Record};
 
 /// The lists of every pixel, front to back: of fragments as keys (depth in the upper half, data word in the lower), or
 /// of merged records.
@@ -52,6 +52,8 @@ pub enum Kept {
     Records(Lists<Record>),
     /// A colour for every pixel, row by row, and no lists.
     Color(Vec<Light>),
+    /// A depth for every pixel, row by row, and no lists.
+    Depths(Vec<Depth>),
 }
 
 impl Kept {
@@ -62,6 +64,7 @@ impl Kept {
             Self::Fragments(_) => HeldKind::Fragments,
             Self::Records(_) => HeldKind::Records,
             Self::Color(_) => HeldKind::Color,
+            Self::Depths(_) => HeldKind::Depth,
         }
     }
 
@@ -70,7 +73,7 @@ impl Kept {
     pub fn fragments(&self) -> Option<&Lists> {
         match self {
             Self::Fragments(lists) => Some(lists),
-            Self::Records(_) | Self::Color(_) => None,
+            Self::Records(_) | Self::Color(_) | Self::Depths(_) => None,
         }
     }
 }

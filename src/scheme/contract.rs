@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use super::bound::Bound;
 use super::program::Program;
 use crate::fragment::{Data, depth_of};
-use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 
@@ -24,11 +22,11 @@ pub struct Contract {
     pub form: Form,
     /// What runs between clear and resolve.
     pub program: Program,
-    /// Words of 4 bytes per pixel: a sum of products of numbers and of k (`-k`) and n (slots: the largest depth
-    /// complexity, or `-k`).
+    /// Words of 4 bytes per pixel: a sum of products of numbers and of k (`-k`), n (slots: the largest depth complexity,
+    /// or `-k`) and d (words of an occupancy mask).
     pub words: &'static str,
     /// Words of 4 bytes for the frame: as above, with F (fragments of a geometry pass), S (the sum of min(f, k) over
-    /// pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks), Q (pages), C (cells of the hash table) and B
+    /// pixels), M (records to divide among pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks), Q (pages), C (cells of the hash table) and B
     /// (blocks of 8x8 pixels in the picture).
     pub frame_words: &'static str,
     /// Words per pixel as its paper counts them, where it does: without what only our form needs.
@@ -197,6 +195,11 @@ pub enum Keeps {
     Some,
     /// The k smallest in canonical order, with a k for each pixel: the words of the input of that name.
     NearestBy(&'static str),
+    /// The k smallest in canonical order, with a k for each pixel that the method chooses ([`super::Scheme::chosen`]).
+    /// `-k` is their average.
+    NearestChosen,
+    /// No fragment, but a depth behind which none of the k smallest lies.
+    Bound,
     /// Records that stand for several fragments each: what [`super::Scheme::expected`] says.
     Merged,
     /// Another answer than the exact one: what [`super::Scheme::expected`] says, if it says. The contract's other
@@ -234,6 +237,8 @@ pub enum Demand {
     MaxDepthComplexity,
     /// How many fragments there are at every pixel, each count bounded by k.
     Bounded,
+    /// How many records it may divide among the pixels: `-k` for each on average, or what a budget allows.
+    Records,
 }
 
 impl Contract {
@@ -255,7 +260,10 @@ impl Contract {
             }
             Keeps::One => (false, false, "none"),
             Keeps::NearestBy(_) => (false, false, "the farthest is evicted"),
-            Keeps::Nearest | Keeps::Layers => (true, false, "the farthest is evicted"),
+            Keeps::Nearest | Keeps::NearestChosen | Keeps::Layers => {
+                (true, false, "the farthest is evicted")
+            }
+            Keeps::Bound => (true, false, "none"),
             Keeps::Merged | Keeps::Approximate(Limit::Nowhere) => (false, false, "none"),
             Keeps::Approximate(Limit::EnoughK) => (true, false, "none"),
         };
@@ -337,6 +345,14 @@ impl Contract {
         matches!(self.alike, Alike::Each)
     }
 
+    /// Its storage depends on the scene, so that it can be configured for fewer fragments than there are; and then it
+    /// drops some, although it promises them.
+    #[must_use]
+    pub const fn is_pooled(&self) -> bool {
+        let nearest = matches!(self.keeps, Keeps::Nearest | Keeps::NearestChosen);
+        !matches!(self.demand, Demand::Nothing) && !nearest
+    }
+
     /// It needs the ordered interlock.
     #[must_use]
     pub const fn is_interlocked(&self) -> bool {
@@ -349,19 +365,11 @@ impl Contract {
         match self.keeps {
             Keeps::All | Keeps::FirstArrivals | Keeps::Visible | Keeps::Some => None,
             Keeps::Merged | Keeps::Approximate(_) => None,
-            Keeps::Nearest | Keeps::NearestBy(_) | Keeps::Layers => k.or(self.default_k),
+            Keeps::NearestChosen => k,
+            Keeps::Nearest | Keeps::NearestBy(_) | Keeps::Layers | Keeps::Bound => {
+                k.or(self.default_k)
+            }
             Keeps::One => Some(1),
-        }
-    }
-
-    /// How many of each pixel's nearest fragments it is held to, with the given k and inputs, for so many storage
-    /// pixels.
-    #[must_use]
-    pub fn bound(&self, k: Option<u32>, layout: &Layout, inputs: &Inputs, pixels: u32) -> Bound {
-        let Keeps::NearestBy(name) = self.keeps else { return Bound::of(self.reference_k(k)) };
-        match layout.inputs().iter().position(|input| input.name == name) {
-            Some(input) => Bound::PerPixel((0..pixels).map(|p| inputs.word(input, p)).collect()),
-            None => Bound::All,
         }
     }
 

@@ -1,4 +1,4 @@
-//! What a pixel holds after resolve: a list of fragments, a list of merged records, or a colour and no list.
+//! What a pixel holds after resolve: a list of fragments, a list of merged records, or a colour or a depth and no list.
 
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
 pub type Keys = Vec<u64>;
@@ -40,6 +40,17 @@ pub struct Light {
 impl Default for Light {
     fn default() -> Self {
         Self { color: [0.0; 3], transmittance: 1.0, kept: 0 }
+    }
+}
+
+/// A pixel's depth word, where that is all it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Depth(pub u32);
+
+impl Default for Depth {
+    /// Farther than any fragment.
+    fn default() -> Self {
+        Self(u32::MAX)
     }
 }
 
@@ -116,6 +127,8 @@ pub enum Held {
     Records(Records),
     /// A colour.
     Light(Light),
+    /// A depth.
+    Depth(Depth),
 }
 
 /// Which of them.
@@ -128,6 +141,8 @@ pub enum HeldKind {
     Records,
     /// A colour with a transmittance, and no list.
     Color,
+    /// A depth, and no list.
+    Depth,
 }
 
 impl HeldKind {
@@ -138,6 +153,7 @@ impl HeldKind {
             Self::Fragments => Held::Keys(Keys::new()),
             Self::Records => Held::Records(Records::default()),
             Self::Color => Held::Light(Light::default()),
+            Self::Depth => Held::Depth(Depth::default()),
         }
     }
 
@@ -148,11 +164,12 @@ impl HeldKind {
             Self::Fragments => "lists of fragments",
             Self::Records => "lists of merged records",
             Self::Color => "colours and no lists",
+            Self::Depth => "depths and no lists",
         }
     }
 }
 
-/// What a scheme's resolve gives: [`Keys`], [`Records`] or [`Light`].
+/// What a scheme's resolve gives: [`Keys`], [`Records`], [`Light`] or [`Depth`].
 pub trait Holds: Default + Send {
     /// Its kind.
     const KIND: HeldKind;
@@ -191,6 +208,7 @@ holds! {
     Keys: Keys, Fragments;
     Records: Records, Records;
     Light: Light, Color;
+    Depth: Depth, Depth;
 }
 
 impl Held {
@@ -201,6 +219,7 @@ impl Held {
             Self::Keys(_) => HeldKind::Fragments,
             Self::Records(_) => HeldKind::Records,
             Self::Light(_) => HeldKind::Color,
+            Self::Depth(_) => HeldKind::Depth,
         }
     }
 
@@ -214,10 +233,12 @@ impl Held {
                 records.merged = 0;
             }
             Self::Light(light) => *light = Light::default(),
+            Self::Depth(depth) => *depth = Depth::default(),
         }
     }
 
-    /// Add what another resolve of the same pixel gave, in a program of several rounds. A colour is the last one.
+    /// Add what another resolve of the same pixel gave, in a program of several rounds. A colour or a depth is the last
+    /// one.
     pub fn append(&mut self, other: Self) {
         match (self, other) {
             (Self::Keys(keys), Self::Keys(mut more)) if keys.is_empty() => {
@@ -237,7 +258,7 @@ impl Held {
         match self {
             Self::Keys(keys) => keys.sort_unstable(),
             Self::Records(records) => records.list.sort_unstable(),
-            Self::Light(_) => {}
+            Self::Light(_) | Self::Depth(_) => {}
         }
     }
 
@@ -249,6 +270,7 @@ impl Held {
             Self::Keys(keys) => keys.len(),
             Self::Records(records) => records.list.len(),
             Self::Light(light) => light.kept as usize,
+            Self::Depth(_) => 0,
         }
     }
 
@@ -264,7 +286,7 @@ impl Held {
     pub fn merged(&self) -> u32 {
         match self {
             Self::Records(records) => records.merged,
-            Self::Keys(_) | Self::Light(_) => 0,
+            Self::Keys(_) | Self::Light(_) | Self::Depth(_) => 0,
         }
     }
 
@@ -273,7 +295,7 @@ impl Held {
     pub fn keys(&self) -> Option<&[u64]> {
         match self {
             Self::Keys(keys) => Some(keys),
-            Self::Records(_) | Self::Light(_) => None,
+            Self::Records(_) | Self::Light(_) | Self::Depth(_) => None,
         }
     }
 }
@@ -300,6 +322,8 @@ impl std::fmt::Display for Held {
             Self::Light(Light { color: [r, g, b], transmittance, .. }) => {
                 return write!(f, "colour {r} {g} {b}, transmittance {transmittance}");
             }
+            Self::Depth(Depth(u32::MAX)) => return f.write_str("no depth"),
+            Self::Depth(Depth(depth)) => return write!(f, "depth {depth:x}"),
         };
         write!(f, "[{}]", entries.join(" "))
     }

@@ -13,12 +13,13 @@
 //!
 //! A folder uses only folders before it in this order, and the files beside them (`tests/layering.rs` checks that):
 //!
-//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table`
+//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table` → `culling`
 
 pub mod a_buffer;
 pub mod bound;
 pub mod contract;
 pub mod course;
+pub mod culling;
 pub mod exact;
 pub mod hash_table;
 pub mod held;
@@ -33,7 +34,7 @@ pub mod task;
 use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
-pub use held::{Held, HeldKind, Holds, Keys, Light, Record, Records};
+pub use held::{Depth, Held, HeldKind, Holds, Keys, Light, Record, Records};
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};
@@ -54,6 +55,12 @@ pub struct Config {
     pub bounded: u64,
     /// Pages that hold all fragments of every pixel, by the contract's size of a page.
     pub pages: u64,
+    /// Records that the method may divide among the pixels.
+    pub records: u64,
+    /// How a pixel's number of fragments becomes importance.
+    pub weighting: kplus_buffer::k_variable::Weighting,
+    /// Words of a pixel's occupancy mask, of 32 intervals each; 0 counts as 1.
+    pub mask_words: u32,
     /// How pixels are numbered, for methods that must know where on the screen they are.
     pub grid: Grid,
     /// How hash tables are made.
@@ -118,7 +125,7 @@ pub trait Scheme: Send + Sync + Sized + 'static {
     /// What it promises.
     const CONTRACT: Contract;
 
-    /// What a pixel holds after resolve: [`Keys`], [`Records`] or [`Light`].
+    /// What a pixel holds after resolve: [`Keys`], [`Records`], [`Light`] or [`Depth`].
     type Holds: Holds;
 
     /// Declare the words and keep their addresses.
@@ -193,6 +200,13 @@ pub trait Scheme: Send + Sync + Sized + 'static {
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Self::Holds> {
         let _ = (inputs, pixel, generated);
         None
+    }
+
+    /// How many of its nearest fragments every pixel must keep, given how many each has: a reference as above, for a
+    /// method that chooses by itself ([`Keeps::NearestChosen`]). Others are not asked.
+    fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32> {
+        let _ = inputs;
+        counts.to_vec()
     }
 
     /// Resolve pass, one invocation per pixel: add what the pixel holds to `held`, lists in any order.

@@ -25,6 +25,9 @@ fn configs() -> Vec<Config> {
         pages: generated.div_ceil(4),
         grid,
         table: TableSettings { size: [48, 48], ..TableSettings::default() },
+        records: generated / 2,
+        mask_words: 1 + most,
+        ..Config::default()
     };
     vec![
         config(None, 1_000, 7),

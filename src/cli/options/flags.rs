@@ -2,6 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
+use super::importance;
+
 /// Options of every command that draws.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct Drawing {
@@ -67,6 +69,14 @@ pub(in crate::cli) struct Drawing {
     /// the depth-complexity histogram; or the largest pool, if storage does not depend on k [default: no budget]
     #[arg(long, value_name = "BYTES", allow_negative_numbers = true)]
     pub(in crate::cli) memory_budget: Option<String>,
+
+    /// Cull fragments before a method that keeps the nearest ones sees them: occupancy:D, by a mask of D words of 32
+    /// depth intervals a pixel, D from 1 to 256; two more geometry passes. occupancy is D = 32 [default: no culling]
+    #[arg(long, value_name = "occupancy[:D]")]
+    pub(in crate::cli) cull: Option<String>,
+
+    #[command(flatten)]
+    pub(in crate::cli) importance: importance::Typed,
 
     /// Size of a hash table: the share of its cells to be filled by fragments, 1 to 100 per cent. It is never smaller
     /// than the image on either axis [default: 50]

@@ -2,5 +2,6 @@
 
 pub(super) mod effects;
 pub(super) mod flags;
+pub(super) mod importance;
 pub(super) mod settings;
 pub(super) mod values;

@@ -1,7 +1,7 @@
 //! From the given options to what is run: values are checked and defaults filled in.
 
 use super::flags::{CullFace, Data, DepthFormat, Drawing, Exec, Offsets, Shading, Sort};
-use super::values;
+use super::{importance, values};
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::num::depth::Format;
@@ -51,6 +51,9 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
             .map(|text| values::bytes("--memory-budget", text))
             .transpose()?,
         inputs: Vec::new(),
+        cull: typed.cull.as_deref().map(importance::culling).transpose()?,
+        k_average: typed.importance.k_average,
+        importance: typed.importance.complete()?,
         table: table(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,

@@ -41,6 +41,19 @@ pub(in crate::cli) fn pixel(text: &str) -> Result<[u32; 2]> {
     })
 }
 
+/// `X,Y` in pixels and parts of them, from the top left.
+///
+/// # Errors
+/// Wrong syntax, or no numbers.
+pub(in crate::cli) fn place(option: &str, text: &str) -> Result<[f64; 2]> {
+    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
+    let parsed = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
+    parsed.ok_or_else(|| {
+        let right = "must be X,Y in pixels, counted from the top left, like 320,240.5";
+        Error::new(option, format!("{text:?} {right}"))
+    })
+}
+
 /// A number of bytes, with K, M, G or T for powers of 1,024.
 ///
 /// # Errors

@@ -4,7 +4,7 @@
 use super::Memory;
 use super::checker::Checker;
 use super::slots::Check;
-use super::submission::Submission;
+use super::submission::{Submission, rejected};
 use super::turns::{Stepped, Stores, Turns};
 use super::watch::Recording;
 use crate::error::Result;
@@ -102,17 +102,28 @@ impl<'a> Stages<'a> {
     ) -> Result<bool> {
         let stores = |part: &Part| self.kind(part) == Some(PassKind::Store);
         let (some, all) = (parts.iter().any(stores), parts.iter().all(stores));
+        let store = parts.iter().find_map(|part| match part {
+            Part::Pass(number) if stores(part) => Some(*number),
+            _ => None,
+        });
         if some {
-            self.gone.fill(0);
             self.reports = Tally::default();
+            self.gone.fill(0);
+        }
+        if let Some(number) = store {
+            // What does not reach the scheme is known before anything runs.
+            for (gone, count) in self.gone.iter_mut().zip(rejected(self.job, number)) {
+                *gone += count;
+                (0..count).for_each(|_| self.reports.reject());
+            }
         }
         // Only while fragments are stored, and nothing else runs.
         let mut checker = checker.filter(|_| all).map(Checker::begin);
         let check = checker.as_deref_mut().map(|c| c as &mut dyn Check);
         let (job, mem, scheme) = (self.job, self.mem, self.scheme);
         let mut again = false;
-        if all {
-            let work = Submission::new(job, &mut self.generated);
+        if let (true, Some(store)) = (all, store) {
+            let work = Submission::new(job, store, &mut self.generated);
             let (gone, reports) = (self.gone.as_mut_slice(), &mut self.reports);
             scheme.store(Stores { mem, turns, work, gone, reports, watcher, checker: check })?;
         } else {
@@ -162,11 +173,11 @@ fn queue<'a>(
             Box::new(all.map(move |index| Task::Frame(place, index)))
         }
         PassKind::Prepare => {
-            Box::new(Submission::uncounted(job).map(move |f| Task::Prepare(place, f)))
+            Box::new(Submission::uncounted(job, number).map(move |f| Task::Prepare(place, f)))
         }
         PassKind::Store => match counts.take() {
-            Some(counts) => Box::new(Submission::new(job, counts).map(Task::Store)),
-            None => Box::new(Submission::uncounted(job).map(Task::Store)),
+            Some(counts) => Box::new(Submission::new(job, number, counts).map(Task::Store)),
+            None => Box::new(Submission::uncounted(job, number).map(Task::Store)),
         },
     }
 }

@@ -7,8 +7,12 @@ use crate::raster::Batch;
 /// Pulls fragments out of a scene: primitive by primitive over the whole image, block by block.
 pub(super) struct Submission<'a> {
     job: &'a Job<'a>,
-    /// Fragments so far at each pixel.
-    generated: Counts<'a>,
+    /// Fragments so far at each pixel, if the caller counts them.
+    generated: Option<&'a mut [u32]>,
+    /// Those that reached the scheme, if they must know their rank.
+    entered: Vec<u32>,
+    /// Whether some do not.
+    culls: bool,
     primitive: u32,
     packets: Vec<Packet>,
     next_packet: usize,
@@ -16,30 +20,22 @@ pub(super) struct Submission<'a> {
     next_fragment: usize,
 }
 
-/// The caller's counts, or own ones if needed.
-enum Counts<'a> {
-    Given(&'a mut [u32]),
-    Own(Vec<u32>),
-}
-
 impl<'a> Submission<'a> {
-    /// The fragments of the store pass; counts what is generated, from zero.
-    pub(super) fn new(job: &'a Job<'a>, generated: &'a mut [u32]) -> Self {
+    /// The fragments of a store pass; counts what is generated, from zero.
+    pub(super) fn new(job: &'a Job<'a>, pass: usize, generated: &'a mut [u32]) -> Self {
         generated.fill(0);
-        Self::from(job, Counts::Given(generated))
+        Self { generated: Some(generated), ..Self::uncounted(job, pass) }
     }
 
     /// The fragments of another geometry pass.
-    pub(super) fn uncounted(job: &'a Job<'a>) -> Self {
+    pub(super) fn uncounted(job: &'a Job<'a>, pass: usize) -> Self {
         let pixels =
             if job.contract.is_interlocked() { job.front.grid.storage_pixels() } else { 0 };
-        Self::from(job, Counts::Own(vec![0; pixels]))
-    }
-
-    fn from(job: &'a Job<'a>, generated: Counts<'a>) -> Self {
         Self {
             job,
-            generated,
+            generated: None,
+            entered: vec![0; pixels],
+            culls: job.culls(pass),
             primitive: 0,
             packets: Vec::new(),
             next_packet: 0,
@@ -65,6 +61,12 @@ impl<'a> Submission<'a> {
         self.next_packet += 1;
         self.next_fragment = 0;
         front.fragments(packet, self.job.record, front.grid.first_pixel(packet), &mut self.batch);
+        if let Some(generated) = &mut self.generated {
+            self.batch.fragments().iter().for_each(|f| generated[f.pixel as usize] += 1);
+        }
+        if self.culls {
+            self.job.cull(&mut self.batch, |_| {});
+        }
         true
     }
 }
@@ -73,21 +75,31 @@ impl Iterator for Submission<'_> {
     type Item = Fragment;
 
     fn next(&mut self) -> Option<Fragment> {
-        if self.next_fragment == self.batch.fragments().len() && !self.refill() {
-            return None;
+        while self.next_fragment == self.batch.fragments().len() {
+            if !self.refill() {
+                return None;
+            }
         }
         let mut fragment = self.batch.fragments()[self.next_fragment];
         self.next_fragment += 1;
-        let count = match &mut self.generated {
-            Counts::Given(counts) => counts.get_mut(fragment.pixel as usize),
-            Counts::Own(counts) => counts.get_mut(fragment.pixel as usize),
-        };
-        if let Some(count) = count {
-            if self.job.contract.is_interlocked() {
-                fragment.rank = *count;
-            }
-            *count += 1;
+        if let Some(entered) = self.entered.get_mut(fragment.pixel as usize) {
+            fragment.rank = *entered;
+            *entered += 1;
         }
         Some(fragment)
     }
+}
+
+/// By storage pixel, how many fragments do not reach a pass.
+pub(super) fn rejected(job: &Job<'_>, pass: usize) -> Vec<u32> {
+    let mut counts = vec![0; job.front.grid.storage_pixels()];
+    if job.culls(pass) {
+        let mut batch = Batch::default();
+        job.front.packets_in_order(|packet| {
+            let first = job.front.grid.first_pixel(packet);
+            job.front.fragments(packet, job.record, first, &mut batch);
+            job.cull(&mut batch, |pixel| counts[pixel as usize] += 1);
+        });
+    }
+    counts
 }

@@ -5,7 +5,7 @@ use std::task::{Context, Poll, Waker};
 use super::guard::guarded;
 use super::litmus::Litmus;
 use super::subject::Subject;
-use crate::exec::promise::Promise;
+use crate::exec::promise::{Promise, bound};
 use crate::exec::{Instance, Method};
 use crate::memory::asked::{Asked, Here, OpenBlock, Request, Site};
 use crate::memory::{Inputs, Numbering};
@@ -39,9 +39,11 @@ pub struct Case {
 impl Case {
     /// What a pixel must hold, where room and arrival do not matter; `None` if the method does not specify it.
     pub(in crate::explore) fn expected(&self, pixel: u32) -> Option<Held> {
-        let Self { method, contract, instance, inputs, litmus, .. } = self;
-        let bound = contract.bound(litmus.k, instance.layout(), inputs, litmus.pixels);
-        let promise = Promise::new(*method, Some(&**instance), inputs, bound);
+        let Self { method, instance, inputs, litmus, .. } = self;
+        let counts = || litmus.counts();
+        let instance = Some(&**instance);
+        let bound = bound(*method, instance, litmus.k, inputs, litmus.pixels, counts);
+        let promise = Promise::new(*method, instance, inputs, bound);
         promise.pixel(pixel, &litmus.generated(pixel))
     }
 

@@ -11,7 +11,7 @@ use crate::fragment::{Data, key};
 use crate::memory::{Declared, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::scheme::Contract;
-use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::contract::Keeps;
 use crate::scheme::hash_table::table::{Offsets, TableSettings};
 
 /// How many fragments have all patterns of neighbours; more have distinct depths.
@@ -50,11 +50,16 @@ pub fn instances(subject: &Subject, family: &Family) -> Vec<Litmus> {
 pub fn of_size(subject: &Subject, family: &Family, n: u32) -> Vec<Litmus> {
     let all = of_contract(subject.contract, family, n);
     let Some(first) = all.first() else { return all };
-    let declared = subject.case(first).instance.layout().inputs().to_vec();
-    if declared.is_empty() {
+    let declared = |litmus: &Litmus| subject.case(litmus).instance.layout().inputs().to_vec();
+    if declared(first).is_empty() {
         return all;
     }
-    all.into_iter().flat_map(|litmus| with_inputs(litmus, &declared)).collect()
+    // What is declared may depend on the configuration.
+    let with_inputs = |litmus: Litmus| {
+        let declared = declared(&litmus);
+        with_inputs(litmus, &declared)
+    };
+    all.into_iter().flat_map(with_inputs).collect()
 }
 
 /// An instance with every choice of the values to try for its inputs, for up to three words of an input that matter;
@@ -117,7 +122,7 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     } else {
         vec![None]
     };
-    let short = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest && n > 1;
+    let short = contract.is_pooled() && n > 1;
     let rooms = if short { vec![n, n - 1] } else { vec![n] };
     let mut all = Vec::new();
     if contract.crosses() {

@@ -91,6 +91,8 @@ impl Litmus {
             pages: pages - short,
             grid: Grid { width: self.pixels, height: 1, tile: 16 },
             table: self.table.unwrap_or_default(),
+            records: u64::from(self.k.unwrap_or(1)) * u64::from(self.pixels),
+            ..Config::default()
         }
     }
 
@@ -101,6 +103,14 @@ impl Litmus {
             let rank = self.fragments[..i].iter().filter(|f| f.0 == pixel).count() as u32;
             Fragment { pixel, depth, data, rank }
         })
+    }
+
+    /// How many fragments each pixel has.
+    #[must_use]
+    pub fn counts(&self) -> Vec<u32> {
+        let mut counts = vec![0; self.pixels as usize];
+        self.fragments.iter().for_each(|f| counts[f.0 as usize] += 1);
+        counts
     }
 
     /// The keys generated at a pixel, sorted.

@@ -15,7 +15,7 @@ use crate::exec::Method;
 use crate::num::random::Random;
 use crate::render::{Exec, Options, Policy, Report, Sim, TableOptions, render};
 use crate::scene::{self, Overrides, Scene};
-use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::contract::Keeps;
 
 /// What was observed of one method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -94,7 +94,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
 
     let arrival = runs.orders_differ(&distinct, k, None)?;
     let arrival_at_ties = runs.orders_differ(&ties, k, None)?;
-    let limited = contract.demand != Demand::Nothing && contract.keeps != Keeps::Nearest;
+    let limited = contract.is_pooled();
     // Where -k does not limit the room, three quarters of the bytes do.
     let (slots, budget) = match contract.keeps {
         Keeps::FirstArrivals => (Some(K), None),

@@ -8,7 +8,7 @@ use crate::explore::program::machine::Final;
 use crate::fragment::depth_of;
 use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::visible::is_hidden;
-use crate::scheme::{Contract, Held, Outcome};
+use crate::scheme::{Contract, Depth, Held, Outcome};
 
 /// A property of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -176,6 +176,14 @@ fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
 
 /// For anything but a plain list of fragments: it must be what the method specifies, if that may not depend on arrival.
 fn as_expected(case: &Case, pixel: u32, held: &Held) -> Option<String> {
+    if let (Held::Depth(Depth(bound)), Keeps::Bound) = (held, case.contract.keeps) {
+        let generated = case.litmus.generated(pixel);
+        let k = case.litmus.k.map_or(usize::MAX, |k| k as usize);
+        let cut = generated.iter().take(k).find(|&&key| depth_of(key) > *bound);
+        if let Some(&key) = cut {
+            return Some(format!("{held} cuts {}, one of the {k} nearest", keys(&[key])));
+        }
+    }
     let open = case.contract.is_arrival_dependent() || overflows(case.contract, &case.litmus);
     let expected = case.expected(pixel).filter(|_| !open)?;
     (expected != *held).then(|| format!("{held} instead of {expected}"))

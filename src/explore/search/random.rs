@@ -17,7 +17,7 @@ use crate::memory::asked::Action;
 use crate::memory::{Declared, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::num::random::Random;
-use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::contract::Keeps;
 use crate::scheme::hash_table::table::{Offsets, TableSettings, size_for_load};
 
 /// The most fragments of an instance.
@@ -219,9 +219,7 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
     let pixels = pick(&[1, 1, 1, 2, u64::from(MOST_PIXELS)]) as u32;
     let levels = pick(&[1, 3, n, 4 * n]);
     let close = pick(&[0, 1, 2]);
-    let short = contract.demand != Demand::Nothing
-        && contract.keeps != Keeps::Nearest
-        && !contract.crosses();
+    let short = contract.is_pooled() && !contract.crosses();
     let short = short && pick(&[0, 0, 0, 1]) == 1;
     let datas = pick(&[2, n, 4 * n]);
     let k = contract.default_k.map(|_| 1 + random.below(k.min(most_k)) as u32);

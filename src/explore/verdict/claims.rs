@@ -150,13 +150,23 @@ pub const CLAIMS: &[Claim] = &[
             &["kplus-sb", "kplus-sb@heap", "kplus-sb@published"],
         )
     },
-    claim(
-        "C7",
-        IMPORTANCE,
-        "4",
-        "the sum of k(p) never exceeds the budget, and loses less than a fixed k at equal memory",
-        &[],
-    ),
+    Claim {
+        properties: &[Property::Keeps, Property::Intact, Property::Invariant, Property::Bounds],
+        ..claim(
+            "C7",
+            IMPORTANCE,
+            "3.1, equations 1 and 2",
+            "the sum of k(p) never exceeds the budget, and every pixel has the k(p) that its importance gives it (that \
+             less is lost than with a fixed k is measured: reproduce varik-table2)",
+            &[
+                "k-variable",
+                "k-variable@heap",
+                "k-variable@rounded",
+                "k-variable@float-quotient",
+                "k-variable@M17",
+            ],
+        )
+    },
     Claim {
         properties: &[Property::Invariant],
         ..claim(
@@ -213,7 +223,16 @@ pub const CLAIMS: &[Claim] = &[
         "traversal sees all fragments of its pixel",
         &["ha64", "ha64@published", "ha64@max-age"],
     ),
-    claim("C13", CULLING, "3", "occupancy culling never removes one of the k nearest", &[]),
+    Claim {
+        properties: &[Property::Keeps, Property::OneOutcome],
+        ..claim(
+            "C13",
+            CULLING,
+            "2, 3",
+            "occupancy culling never removes one of the k nearest: the bound is behind all of them, whatever the order",
+            &["occupancy", "occupancy@near-end", "occupancy@one-too-near", "occupancy@ends-early"],
+        )
+    },
     claim("C14", THICKNESS, "4", "OFM does not depend on the order of arrival", &[]),
     claim("C15", THICKNESS, "4", "SFM subdivision restores the original visibility", &[]),
     claim("C16", THICKNESS, "4", "surfaces of equal depth blend without speckle", &[]),

@@ -210,7 +210,8 @@ struct Bench<'a, 'd> {
     store: Dispatch,
     prepare: Option<Dispatch>,
     clear: Vec<(Dispatch, u64)>,
-    screens: Vec<Dispatch>,
+    /// By pass and pixel.
+    screens: Vec<Vec<Dispatch>>,
     frames: Vec<Option<Dispatch>>,
 }
 
@@ -236,14 +237,15 @@ impl<'a, 'd> Bench<'a, 'd> {
             clear.push((program.pass("clear_frame_pass", None, &[])?, 1));
         }
         clear.push((program.pass("clear_pass", None, &[])?, pixels.into()));
-        let mut screens = Vec::new();
-        if twin.defines("screen") {
-            for pixel in 0..pixels {
-                screens.push(program.pass("screen_pass", None, &[("ONLY", pixel.into())])?);
-            }
-        }
         let mut frames = Vec::new();
+        let mut screens = Vec::new();
         for (number, pass) in program.shape.contract.program.passes.iter().enumerate() {
+            let mut of_pass = Vec::new();
+            for pixel in 0..if pass.kind == PassKind::Screen { pixels } else { 0 } {
+                let overrides = [("PASS", number as f64), ("ONLY", pixel.into())];
+                of_pass.push(program.pass("screen_pass", None, &overrides)?);
+            }
+            screens.push(of_pass);
             let frame = pass.kind == PassKind::Frame;
             frames.push(frame.then(|| program.frame_words(number)).transpose()?);
         }
@@ -358,9 +360,10 @@ impl<'a, 'd> Bench<'a, 'd> {
                     program.dispatch(encoder, pass, slot(i), 1);
                 }
             }
-            Step::Screen(_, pixel) => {
+            Step::Screen(number, pixel) => {
                 let pixels = program.shape.config.pixels.into();
-                program.dispatch(encoder, &self.screens[pixel as usize], None, pixels);
+                let pass = &self.screens[number][pixel as usize];
+                program.dispatch(encoder, pass, None, pixels);
             }
             Step::Frame(number) => {
                 if let Some(pass) = &self.frames[number] {

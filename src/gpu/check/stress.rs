@@ -205,6 +205,7 @@ fn run(
         generated: one.generated * copies,
         bounded: one.bounded * copies,
         pages: one.pages * copies,
+        records: one.records * copies,
         grid: GRID,
         table: TableSettings {
             size: size_for_load(one.generated * copies, DEFAULT_LOAD, [GRID.width, GRID.height]),

@@ -7,7 +7,7 @@ use std::rc::Rc;
 use rayon::prelude::*;
 
 use crate::exec::Method;
-use crate::exec::promise::Promise;
+use crate::exec::promise::{Promise, bound};
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
 use crate::memory::Inputs;
 use crate::num::color::{srgb, word16};
@@ -17,10 +17,9 @@ use crate::raster::primitive::Rect;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::resolve::composite::Ray;
 use crate::scene::Scene;
-use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::{Config, exact};
+use crate::scheme::{Config, Depth, Held, exact};
 
 /// Tile edge: small, so that bands can be small.
 const TILE: u32 = 16;
@@ -191,6 +190,10 @@ impl<'p> Band<'p> {
             pages: counts().map(|f| f.div_ceil(contract.page.into())).sum(),
             grid: self.grid,
             table: TableSettings { size, ..TableSettings::default() },
+            records: u64::from(k.unwrap_or(0))
+                * u64::from(self.grid.width)
+                * u64::from(self.grid.height),
+            ..Config::default()
         }
     }
 
@@ -243,26 +246,42 @@ impl<'p> Band<'p> {
         if let Some((_, answer)) = known {
             return answer;
         }
-        let answer = Rc::new(answer(&self.lists, self.picture, method, question));
+        let config = self.config(contract, k);
+        let answer = Rc::new(answer(&self.lists, self.picture, method, &config, question));
         self.answers.borrow_mut().push((question, Rc::clone(&answer)));
         answer
     }
 }
 
-fn answer(lists: &[Vec<u64>], picture: &Picture, method: Method, question: Question) -> Expected {
+fn answer(
+    lists: &[Vec<u64>],
+    picture: &Picture,
+    method: Method,
+    config: &Config,
+    question: Question,
+) -> Expected {
     let Question { record, k, .. } = question;
-    let (contract, inputs) = (method.contract(), Inputs::default());
-    let promise = Promise::new(method, None, &inputs, Bound::of(contract.reference_k(k)));
+    let contract = method.contract();
+    let instance = method.instance(config);
+    let instance = instance.as_deref();
+    let inputs = instance.map_or_else(Inputs::default, |i| Inputs::defaults(i.layout()));
+    let counts = || lists.iter().map(|list| list.len() as u32).collect();
+    let bound = bound(method, instance, k, &inputs, config.pixels, counts);
+    let promise = Promise::new(method, instance, &inputs, bound);
     let named = record.data == Data::Primitive;
     let word = |&exact: &u64| {
         let data = if named { data_of(exact) } else { 0 };
         key(record.depth.encode(depth_of(exact)), data)
     };
-    let pixel = |list: &Vec<u64>| {
+    let pixel = |(pixel, list): (usize, &Vec<u64>)| {
         let mut generated: Vec<u64> = list.iter().map(word).collect();
         generated.sort_unstable();
-        let held = promise.pixel(0, &generated);
-        let mut kept = held.and_then(|held| held.keys().map(<[u64]>::to_vec)).unwrap_or_default();
+        let mut kept = match promise.pixel(pixel as u32, &generated) {
+            Some(Held::Keys(keys)) => keys,
+            // A twin emits a depth as a record without data, and none for no depth.
+            Some(Held::Depth(Depth(depth))) if depth < u32::MAX => vec![key(depth, 0)],
+            _ => Vec::new(),
+        };
         // Some of them, as many as there are slots.
         if let (Keeps::FirstArrivals, Some(slots)) = (contract.keeps, k) {
             kept.truncate(slots as usize);
@@ -277,7 +296,7 @@ fn answer(lists: &[Vec<u64>], picture: &Picture, method: Method, question: Quest
         }
         u32::from_le_bytes(ray.finish(picture.background))
     };
-    let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().map(pixel).unzip();
+    let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
     let colors = kept.par_iter().map(color).collect();
     Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors }
 }

@@ -132,6 +132,10 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
         .with_room("GENERATED", config.generated)
         .with_room("BOUNDED", config.bounded)
         .with_room("PAGES", config.pages)
+        .with_room("RECORDS", config.records)
+        .with("ALPHA", config.weighting.alpha.into())
+        .with("LAYERS", config.weighting.limit.into())
+        .with("MASK_WORDS", config.mask_words.max(1).into())
         .with("BLOCKS", blocks)
         .with("GROUPS", blocks.div_ceil(64))
         .with("TABLE_WIDTH", table.size[0].max(1).into())
@@ -414,7 +418,7 @@ impl<'d> Program<'d> {
             Part::Pass(number) => match program.passes[number].kind {
                 PassKind::Store => geometry("store"),
                 PassKind::Prepare => geometry("prepare"),
-                PassKind::Screen => self.screen_pass(),
+                PassKind::Screen => self.screen_pass(number),
                 PassKind::Frame => self.frame_pass(number),
             },
         };
@@ -424,8 +428,8 @@ impl<'d> Program<'d> {
     }
 
     /// A full-screen pass.
-    fn screen_pass(&self) -> Result<()> {
-        let pass = self.pass("screen_pass", None, &[])?;
+    fn screen_pass(&self, number: usize) -> Result<()> {
+        let pass = self.pass("screen_pass", None, &[("PASS", number as f64)])?;
         let mut encoder = self.device.encoder();
         self.dispatch(&mut encoder, &pass, None, self.shape.config.pixels.into());
         self.device.submit(encoder)

@@ -27,10 +27,10 @@ macro_rules! files {
 
 /// The files that can be included.
 const FILES: &[(&str, &str)] = files! {
-    "pass/clear" "pass/clear_frame" "pass/frame" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
+    "pass/clear" "pass/clear_frame" "pass/frame" "pass/number" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
     "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
-    "shared/sort" "shared/word64"
+    "shared/sort" "shared/wide" "shared/word64"
     "parts/list" "parts/lock" "parts/max_array" "parts/max_heap" "parts/ranges" "parts/table"
 };
 
@@ -55,8 +55,10 @@ const TWINS: &[(&str, &str)] = twins! {
     "kplus-array" "kplus_buffer/kplus_array"
     "kplus-heap" "kplus_buffer/kplus_heap"
     "kplus-sb" "kplus_buffer/kplus_sb"
+    "k-variable" "kplus_buffer/k_variable"
     "ha64" "hash_table/ha64"
     "ha32" "hash_table/ha32"
+    "occupancy" "culling/occupancy"
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.

@@ -8,7 +8,7 @@
 //!   overshoots k (claim C6). And a count bounded at k cannot tell f = k from f > k, on which the choice depends. Here
 //!   a compare-exchange counts to min(f, k + 1), and min(f, k) records are allocated. The published form is clamped
 //!   where it allocates, so that its records stay within the array.
-//! * Insertion is that of the correct forms ([`max_array`], [`max_heap`]).
+//! * Insertion is that of the correct forms ([`locked_row`]).
 //!
 //! The range's start carries the choice in its lowest bit ([`Ranges`]), so that a pixel has three words besides its
 //! records: counter, semaphore, start.
@@ -16,12 +16,12 @@
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, pair_key};
-use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::{Form, Keeps};
-use crate::scheme::parts::lock::{self, FREE, SpinLock};
+use crate::scheme::parts::lock::{self, SpinLock};
+use crate::scheme::parts::locked_row::{self, Row};
 use crate::scheme::parts::ranges::{self, Ranges};
-use crate::scheme::parts::slots::{OfFrame, Slots, entry};
-use crate::scheme::parts::{max_array, max_heap};
+use crate::scheme::parts::slots::{OfFrame, entry};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Up to this k, an array is faster than a heap (section 3.2).
@@ -168,46 +168,11 @@ impl<V: Variant> Scheme for KPlusSb<V> {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (pixel, new) = (fragment.pixel, fragment.key());
-        let counter = self.counter.at(pixel, 0);
-        let (slots, crowded) = self.slots(mem, pixel).await;
+        let (slots, crowded) = self.slots(mem, fragment.pixel).await;
         let heap = crowded && self.k > V::ARRAY_UP_TO;
-        let test = mem.block();
-        if mem.load(counter, Order::Acquire).await == self.k
-            && fragment.depth > mem.load(slots.depth(0), Order::Relaxed).await
-        {
-            return Outcome::Culled;
-        }
-        mem.merge(test).await;
-        let _attempts = mem.block();
-        let mark = mem.mark();
-        loop {
-            let attempt = mem.block();
-            if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
-                let count = mem.load(counter, Order::Relaxed).await;
-                let mut outcome = Outcome::Culled;
-                if count < self.k {
-                    if heap {
-                        max_heap::append::<_, _, Self>(mem, slots, count, new).await;
-                    } else {
-                        max_array::append::<_, _, Self>(mem, slots, count, new).await;
-                    }
-                    mem.store(counter, count + 1, Order::Release).await;
-                    outcome = Outcome::Kept;
-                } else if new < pair_key(entry(mem, slots, 0).await) {
-                    if heap {
-                        max_heap::replace::<_, _, Self>(mem, slots, self.k, new).await;
-                    } else {
-                        max_array::replace::<_, _, Self>(mem, slots, self.k, new).await;
-                    }
-                    outcome = Outcome::Evicted;
-                }
-                self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
-                return outcome;
-            }
-            mem.merge(attempt).await;
-            mem.spin(mark).await;
-        }
+        let counter = self.counter.at(fragment.pixel, 0);
+        let row = Row { slots, k: self.k, heap, lock: self.lock, counter };
+        locked_row::insert::<_, _, Self>(mem, row, fragment).await
     }
 
     /// A count that allocates more than min(f, k) records is not exact memory.

@@ -6,6 +6,7 @@ pub(super) mod hand_made;
 pub mod interlock;
 pub mod list;
 pub mod lock;
+pub mod locked_row;
 pub mod max_array;
 pub mod max_heap;
 pub mod ranges;

@@ -13,7 +13,7 @@
 //! A range begins at group + block + offset. Neighbouring pixels are neighbours in memory, as in the paper's square
 //! tiling. Offsets within a block depend on the order of arrival; which records a pixel holds does not.
 
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
 use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keeps};
@@ -120,5 +120,14 @@ impl Ranges {
         let group = self.groups.at(u64::from(pixel / (RADIX * RADIX)));
         let group = mem.plain_load(group).await;
         (u64::from(group) + u64::from(block) + u64::from(offset >> 1), offset & 1 == 1)
+    }
+
+    /// Where a pixel's records begin, for an invariant; `None` while it is not known.
+    #[must_use]
+    pub fn seen(self, words: &Snapshot<'_>, pixel: u32) -> Option<u64> {
+        let offset = words.get(self.offset.at(pixel, 0))?;
+        let block = words.get(self.blocks.at(u64::from(pixel / RADIX)))?;
+        let group = words.get(self.groups.at(u64::from(pixel / (RADIX * RADIX))))?;
+        Some(u64::from(group) + u64::from(block) + u64::from(offset >> 1))
     }
 }

@@ -1,7 +1,7 @@
 //# include shared/index
+//# include pass/number
 
-// Which pass of the method's program this is, and how many invocations it has.
-override PASS: u32 = 0u;
+// How many invocations it has.
 override INVOCATIONS: u32 = 1u;
 
 @compute @workgroup_size(64)

@@ -1,4 +1,5 @@
 //# include shared/index
+//# include pass/number
 
 // Every pixel, or only one of them.
 const ALL: u32 = 0xFFFFFFFFu;

@@ -1,13 +1,7 @@
 // Exact integer depth: a plane per triangle with 24 fraction bits, evaluated modulo 2^64 in pairs of 32-bit words, as
 // many devices have no 64-bit integers. What wraps cancels, since the true value at a covered pixel fits easily.
 
-// A 64-bit number: x is the lower half.
-alias Wide = vec2<u32>;
-
-fn wide_add(a: Wide, b: Wide) -> Wide {
-    let low = a.x + b.x;
-    return Wide(low, a.y + b.y + u32(low < a.x));
-}
+//# include shared/wide
 
 // The product with a number below 2^16.
 fn wide_times(a: Wide, factor: u32) -> Wide {

@@ -31,6 +31,8 @@ const DUPLICATE: u32 = 5u;
 const AGE: u32 = 6u;
 // It gave up waiting for a lock. No simulated invocation does this.
 const STUCK: u32 = 7u;
+// It went into another record, or into what its pixel holds instead of records.
+const MERGED: u32 = 8u;
 
 // No fragment: what a clear pass writes for a depth.
 const EMPTY: u32 = 0xFFFFFFFFu;

@@ -1,0 +1,212 @@
+// k-buffer with a k for every pixel, by importance (Vasilakis et al. 2017).
+//
+// Every pixel gets its share of the frame's records by its importance, in a contiguous range, and keeps its nearest
+// fragments there as the k+-buffer does: in a max-array, or a max-heap where k > 16 and there are more fragments.
+// Importance is in units of 2^-16, so that its sum does not depend on the order. What the lock needs is outside WGSL's
+// guarantees: see parts/lock.
+
+//# include pass/number
+//# include shared/fragment
+//# include shared/wide
+//# include parts/lock
+//# include parts/ranges
+//# include parts/max_array
+//# include parts/max_heap
+//# include shared/emit
+
+// Up to this k, an array is faster than a heap.
+const ARRAY_UP_TO: u32 = 16u;
+
+// An importance of 1.
+const ONE: u32 = 65536u;
+
+// Numbers of passes.
+const IMPORTANCE: u32 = 1u;
+const WEIGHT_BLOCKS: u32 = 2u;
+const WEIGHT_GROUPS: u32 = 3u;
+const RANGE_BLOCKS: u32 = 5u;
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    // The importance, then k.
+    share: u32,
+    offset: u32,
+}
+
+struct Frame {
+    blocks: array<atomic<u32>, BLOCKS>,
+    groups: array<u32, GROUPS>,
+    weight_blocks: array<atomic<u32>, BLOCKS>,
+    weight_groups: array<u32, GROUPS>,
+    depth: array<atomic<u32>, RECORDS_ROOM>,
+    data: array<u32>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+@group(0) @binding(2) var<storage, read_write> memory: Frame;
+// The sum of all importances.
+@group(0) @binding(3) var<storage, read_write> total: array<Wide>;
+@group(0) @binding(5) var<storage, read> inputs: array<u32>;
+
+// Record i of the range that begins at `first`.
+fn entry(first: u32, i: u32) -> Key {
+    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
+}
+
+fn put(first: u32, i: u32, key: Key) {
+    memory.data[first + i] = key.x;
+    atomicStore(&memory.depth[first + i], key.y);
+}
+
+fn clear_frame() {
+    clear_sums();
+    for (var block = 0u; block < BLOCKS; block++) {
+        atomicStore(&memory.weight_blocks[block], 0u);
+    }
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+// The count pass.
+fn prepare(fragment: Fragment) {
+    atomicAdd(&pixels[fragment.pixel].counter, 1u);
+}
+
+fn weight_of(pixel: u32, count: u32) -> u32 {
+    if count == 0u {
+        return 0u;
+    }
+    let factor = min(inputs[INPUT_IMPORTANCE + pixel], ONE);
+    let layers = ((ONE - ALPHA) * min(count, LAYERS) + LAYERS / 2u) / LAYERS;
+    var product = ALPHA + layers;
+    if factor < ONE {
+        product = (factor * product + ONE / 2u) / ONE;
+    }
+    let bias = clamp(i32(inputs[INPUT_IMPORTANCE_BIAS + pixel]), -i32(ONE), i32(ONE));
+    return u32(max(i32(product) + bias, 0));
+}
+
+// The importance pass.
+fn weigh(pixel: u32) {
+    let weight = weight_of(pixel, atomicLoad(&pixels[pixel].counter));
+    pixels[pixel].share = weight;
+    if weight > 0u {
+        atomicAdd(&memory.weight_blocks[pixel / RADIX], weight);
+    }
+}
+
+// The pass that computes k. From here on, the counter counts what is stored.
+fn divide(pixel: u32) {
+    let weight = pixels[pixel].share;
+    if weight > 0u {
+        let count = atomicLoad(&pixels[pixel].counter);
+        let k = wide_quotient(wide_product(weight, RECORDS), total[0]);
+        pixels[pixel].share = k;
+        if k > 0u {
+            refer(pixel, k, count > k);
+        }
+    }
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+fn screen(pixel: u32) {
+    if PASS == IMPORTANCE {
+        weigh(pixel);
+    } else {
+        divide(pixel);
+    }
+}
+
+fn sum_weight_blocks(group: u32) {
+    var sum = 0u;
+    let first = group * RADIX;
+    for (var block = first; block < min(BLOCKS, first + RADIX); block++) {
+        sum += atomicLoad(&memory.weight_blocks[block]);
+    }
+    memory.weight_groups[group] = sum;
+}
+
+fn sum_weight_groups() {
+    var sum = Wide(0u);
+    for (var group = 0u; group < GROUPS; group++) {
+        sum = wide_add(sum, Wide(memory.weight_groups[group], 0u));
+    }
+    total[0] = sum;
+}
+
+fn frame(number: u32, index: u32) {
+    if number == WEIGHT_BLOCKS {
+        sum_weight_blocks(index);
+    } else if number == WEIGHT_GROUPS {
+        sum_weight_groups();
+    } else if number == RANGE_BLOCKS {
+        sum_blocks(index);
+    } else {
+        sum_groups();
+    }
+}
+
+fn append(range: Range, k: u32, count: u32, key: Key) {
+    if range.flag && k > ARRAY_UP_TO {
+        heap_append(range.start, count, key);
+    } else {
+        array_append(range.start, count, key);
+    }
+}
+
+fn replace(range: Range, k: u32, key: Key) {
+    if range.flag && k > ARRAY_UP_TO {
+        heap_replace(range.start, k, key);
+    } else {
+        array_replace(range.start, k, key);
+    }
+}
+
+// Under the lock.
+fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < k {
+        append(range, k, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(range.start, 0u)) {
+        return CULLED;
+    }
+    replace(range, k, key);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    let k = pixels[pixel].share;
+    if k == 0u {
+        return CULLED;
+    }
+    let range = range_of(pixel);
+    if atomicLoad(&pixels[pixel].counter) == k && fragment.depth > atomicLoad(&memory.depth[range.start]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, range, k, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count > 0u {
+        let first = range_of(pixel).start;
+        for (var i = 0u; i < count; i++) {
+            emit(entry(first, i));
+        }
+    }
+}

@@ -1,0 +1,2 @@
+// Which pass of the method's program this is.
+override PASS: u32 = 0u;

@@ -1,0 +1,74 @@
+//! A bounded row of records behind a pixel's spin lock, for methods that give each pixel a row of its own length
+//! (k+-buffer paper, section 3): a max-array, or a max-heap, whose entry 0 is the farthest.
+//!
+//! The steps are those of the correct forms (`kplus_array`, `kplus_heap`): a cull test before the lock, the counter
+//! raised only when its record is in place.
+
+use super::lock::{FREE, SpinLock};
+use super::slots::{Slots, entry};
+use super::{max_array, max_heap};
+use crate::fragment::{Fragment, pair_key};
+use crate::memory::{Access, At, Atomic, Memory, Order, Pixel};
+use crate::scheme::Outcome;
+
+/// A pixel's row.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<S> {
+    /// Its records.
+    pub slots: S,
+    /// How many there are, at least 1.
+    pub k: u32,
+    /// Whether they form a heap; otherwise an array.
+    pub heap: bool,
+    /// Guards them.
+    pub lock: SpinLock,
+    /// How many hold a fragment.
+    pub counter: At<Pixel, Atomic, u32>,
+}
+
+/// Store a fragment in its pixel's row, unless k nearer ones are there.
+#[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+pub async fn insert<M: Memory, S: Slots, Caller>(
+    mem: &M,
+    row: Row<S>,
+    fragment: Fragment,
+) -> Outcome {
+    let Row { slots, k, heap, lock, counter } = row;
+    let new = fragment.key();
+    let test = mem.block();
+    if mem.load(counter, Order::Acquire).await == k
+        && fragment.depth > mem.load(slots.depth(0), Order::Relaxed).await
+    {
+        return Outcome::Culled;
+    }
+    mem.merge(test).await;
+    let _attempts = mem.block();
+    let mark = mem.mark();
+    loop {
+        let attempt = mem.block();
+        if lock.try_acquire(mem, fragment.pixel, Order::Acquire).await == FREE {
+            let count = mem.load(counter, Order::Relaxed).await;
+            let mut outcome = Outcome::Culled;
+            if count < k {
+                if heap {
+                    max_heap::append::<_, _, Caller>(mem, slots, count, new).await;
+                } else {
+                    max_array::append::<_, _, Caller>(mem, slots, count, new).await;
+                }
+                mem.store(counter, count + 1, Order::Release).await;
+                outcome = Outcome::Kept;
+            } else if new < pair_key(entry(mem, slots, 0).await) {
+                if heap {
+                    max_heap::replace::<_, _, Caller>(mem, slots, k, new).await;
+                } else {
+                    max_array::replace::<_, _, Caller>(mem, slots, k, new).await;
+                }
+                outcome = Outcome::Evicted;
+            }
+            lock.release(mem, fragment.pixel, Access::Atomic(Order::Release)).await;
+            return outcome;
+        }
+        mem.merge(attempt).await;
+        mem.spin(mark).await;
+    }
+}
