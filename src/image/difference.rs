@@ -65,7 +65,7 @@ fn largest(apart: [u8; 4]) -> u8 {
     apart.into_iter().fold(0, u8::max)
 }
 
-fn same_size(a: &Image, b: &Image) -> Result<()> {
+pub(super) fn same_size(a: &Image, b: &Image) -> Result<()> {
     if (a.width, a.height) == (b.width, b.height) {
         return Ok(());
     }

@@ -3,9 +3,11 @@
 
 mod canvas;
 pub mod difference;
+pub mod heat;
 pub mod png;
 pub mod ramp;
 pub mod sheet;
+pub mod similarity;
 
 use sha2::{Digest, Sha256};
 

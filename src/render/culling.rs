@@ -55,7 +55,8 @@ pub(super) struct Culled {
 }
 
 /// Whether a method keeps the nearest fragments, and those alone: nothing that it promises lies behind a bound.
-fn keeps_nearest(contract: &Contract) -> bool {
+#[must_use]
+pub fn keeps_nearest(contract: &Contract) -> bool {
     match contract.keeps {
         Keeps::Nearest | Keeps::NearestBy(_) | Keeps::NearestChosen => true,
         Keeps::One | Keeps::Layers => true,
@@ -115,7 +116,8 @@ pub(super) fn draw(
     if let Bound::PerPixel(ks) = nearest
         && let Some(input) = instance.layout().inputs().iter().position(|i| i.name == K)
     {
-        inputs.fill(input, ks.clone());
+        // A pixel that keeps nothing is treated as one that keeps its nearest.
+        inputs.fill(input, ks.iter().map(|&k| k.max(1)).collect());
     }
     let contract = method.contract();
     let job = Job {

@@ -39,7 +39,7 @@ pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash_table::table::Offsets;
 pub use budget::{Budget, storage_bytes};
-pub use culling::{CullingReport, DEFAULT_WORDS};
+pub use culling::{CullingReport, DEFAULT_WORDS, keeps_nearest};
 pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
 pub use importance::{
     Factors, Importance, ImportanceMap, ImportanceReport, Reach, Shares, fresnel,

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::text::{Align, columns, percent, thousands};
-use crate::render::{Budget, Report, ShadowReport, TableReport};
+use crate::render::{Budget, CullingReport, ImportanceReport, Report, ShadowReport, TableReport};
 
 /// The whole table. Fields that the schedule may change carry a `*`.
 #[must_use]
@@ -105,6 +105,8 @@ fn facts(report: &Report) -> String {
         ["geometry passes".to_owned(), passes(report)],
     ];
     rows.extend(report.budget.as_ref().map(budget));
+    rows.extend(report.importance.as_ref().map(importance));
+    rows.extend(report.culling.as_ref().map(culling));
     rows.extend(report.table.as_ref().map(table));
     rows.extend(effect(report));
     rows.extend(report.shadows.as_ref().map(shadows));
@@ -136,6 +138,39 @@ fn table(table: &TableReport) -> [String; 2] {
         thousands(*stored)
     );
     ["hash table".to_owned(), text]
+}
+
+/// How records were divided by importance.
+fn importance(importance: &ImportanceReport) -> [String; 2] {
+    let fresnel = match (importance.factors.contains(&"fresnel"), importance.fresnel_known) {
+        (true, false) => " (fresnel: 1, there is no frame before)",
+        _ => "",
+    };
+    let text = format!(
+        "k {} to {}, {} of {} records given, by {}{fresnel}",
+        importance.smallest_k,
+        importance.largest_k,
+        thousands(importance.shared),
+        thousands(importance.records),
+        importance.factors.join(", ")
+    );
+    ["importance".to_owned(), text]
+}
+
+/// How many fragments were rejected where.
+fn culling(culling: &CullingReport) -> [String; 2] {
+    let reusing = culling
+        .words_reusing
+        .map_or_else(String::new, |words| format!("; {words} if the mask takes the k-buffer's"));
+    let text = format!(
+        "{}, {} intervals: {} rejected before the method, {} by it; {} words a pixel{reusing}",
+        culling.method,
+        culling.intervals,
+        thousands(culling.rejected_before),
+        thousands(culling.rejected_inside),
+        culling.words
+    );
+    ["culling".to_owned(), text]
 }
 
 fn budget(budget: &Budget) -> [String; 2] {

@@ -2,7 +2,8 @@
 //!
 //! A method that keeps k fragments must give the same lists as the reference with the same k. The table also shows how
 //! far its picture is from the one with all fragments, which is the cost of k. All methods and the reference store
-//! depths in one format: the coarsest that any of them fixes.
+//! depths in one format: the coarsest that any of them fixes. With a memory budget, a second table has the columns of
+//! Table 2 of the importance paper.
 
 mod row;
 
@@ -18,11 +19,12 @@ use crate::cli::options::settings::complete;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::exec::Method;
-use crate::image::{difference, png, sheet};
+use crate::image::{Image, difference, heat, png, sheet, similarity};
 use crate::num::depth::Format;
-use crate::render::{Data, Exec, Options, Rendering, render};
+use crate::render::{Data, Exec, Options, Rendering, keeps_nearest, render};
 use crate::report::{files, json};
 use crate::scene::{self, Scene};
+use crate::scheme::kplus_buffer::k_variable::ONE;
 use crate::scheme::{Form, Keeps};
 
 #[derive(Debug, clap::Args)]
@@ -39,8 +41,8 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "METHOD", default_value = "exact")]
     reference: String,
 
-    /// A folder that exists, for one picture per method, compare-METHOD.png: exact, method, differences
-    /// [default: not written]
+    /// A folder that exists, for one picture per method, compare-METHOD.png: exact, method, differences; and for a method
+    /// with k by importance, importance-METHOD.png and k-METHOD.png [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     folder: Option<PathBuf>,
 
@@ -97,7 +99,8 @@ fn methods(catalogue: &Catalogue, args: &Args) -> Result<Vec<Method>> {
     if !args.methods.is_empty() {
         return args.methods.iter().map(|name| catalogue.find("-m", name)).collect();
     }
-    let wanted = |m: &Method| m.contract().form == Form::Correct && m.name() != args.reference;
+    let shows = |m: &Method| m.contract().keeps != Keeps::Bound && m.name() != args.reference;
+    let wanted = |m: &Method| m.contract().form == Form::Correct && shows(m);
     Ok(catalogue.methods().iter().copied().filter(wanted).collect())
 }
 
@@ -123,35 +126,43 @@ struct Session {
 impl Session {
     fn compare(&mut self, method: Method, folder: Option<&Path>) -> Result<Compared> {
         let contract = method.contract();
-        let options = Options { method, ..self.options.clone() };
+        // What keeps more than the nearest fragments is drawn without culling.
+        let cull = self.options.cull.filter(|_| keeps_nearest(contract));
+        let options = Options { method, cull, ..self.options.clone() };
         let drawn = self.draw(&options)?;
         let k = self.held_to(method, drawn.report.k);
         let data = options.record().data;
         self.prepare(None, data)?;
         self.prepare(k, data)?;
         let (all, same) = (&self.references[&(None, data)], &self.references[&(k, data)]);
-        let mut row = Compared::new(method.name(), self.options.method.name(), k, &drawn);
+        let mut row = Compared::new(method, self.options.method.name(), k, &drawn);
         row.warnings.retain(|warning| !self.warnings.contains(warning));
         row.warnings.splice(..0, self.warnings.iter().cloned());
         row.lists_equal = match (drawn.kept.fragments(), same.kept.fragments()) {
             // The run itself has judged, fragment by fragment, what may be missing.
             _ if contract.keeps == Keeps::Visible => drawn.report.violations.is_empty(),
+            (Some(own), Some(all)) if let Some(shares) = &drawn.shares => {
+                *own == all.cut(|pixel, keys| keys.truncate(shares.k[pixel] as usize))
+            }
             (Some(own), Some(same)) if contract.keeps_alike() => own == same,
             (Some(own), Some(same)) => *own == same.cut(|_, keys| keys.dedup()),
             // Without lists, only the pictures can be compared.
             _ => true,
         };
-        row.may_look_different = contract.keeps == Keeps::Visible
+        row.may_look_different = matches!(contract.keeps, Keeps::Visible | Keeps::NearestChosen)
             || drawn.kept.fragments().is_none()
             || drawn.report.dropped.contains_key("duplicate");
         row.from_reference = difference::measure(&same.image, &drawn.image)?;
         row.from_all = difference::measure(&all.image, &drawn.image)?;
+        row.psnr = similarity::psnr(&all.image, &drawn.image)?;
+        row.ssim = similarity::ssim(&all.image, &drawn.image)?;
         if let Some(folder) = folder {
             let path = folder.join(format!("compare-{method}.png"));
             let picture = sheet::compose(&row.labels(&self.scene.name), &all.image, &drawn.image)?;
-            let bytes = png::encode(&picture)
-                .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
-            files::write_bytes(&path, &bytes)?;
+            write(&path, &picture)?;
+            for (name, picture) in shares(&row, &drawn) {
+                write(&folder.join(format!("{name}-{method}.png")), &picture)?;
+            }
         }
         Ok(row)
     }
@@ -170,7 +181,8 @@ impl Session {
     /// executor. A budget applies only to the methods.
     fn prepare(&mut self, k: Option<u32>, data: Data) -> Result<()> {
         let exec = Exec::Tile;
-        let options = Options { k, exec, data, memory_budget: None, ..self.options.clone() };
+        let (memory_budget, cull) = (None, None);
+        let options = Options { k, exec, data, memory_budget, cull, ..self.options.clone() };
         if self.references.contains_key(&(k, data)) {
             return Ok(());
         }
@@ -185,6 +197,33 @@ impl Session {
         let message = format!("drawing {} with {}", self.scene.name, options.method);
         wait::during(self.quiet, &message, || render(&self.scene, options))
     }
+}
+
+fn write(path: &Path, picture: &Image) -> Result<()> {
+    let bytes = png::encode(picture)
+        .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+    files::write_bytes(path, &bytes)
+}
+
+/// Importance and k of every pixel as maps, where a method divides its records by importance.
+fn shares(row: &Compared, drawn: &Rendering) -> Vec<(&'static str, Image)> {
+    let Some(shares) = &drawn.shares else { return Vec::new() };
+    let map = |name: &str, meaning: &str, values: Vec<f64>, most: f64| {
+        let title = format!("{} \u{b7} {} \u{b7} {name}", row.method, row.scene);
+        let (size, most) = ([row.width, row.height], if most > 0.0 { most } else { 1.0 });
+        heat::Map { title: &title, meaning, size, values: &values, most }.draw()
+    };
+    let one = f64::from(ONE);
+    let importance = shares.importance.iter().map(|&q| f64::from(q) / one).collect();
+    let k: Vec<f64> = shares.k.iter().map(|&k| f64::from(k)).collect();
+    let most = k.iter().copied().fold(0.0, f64::max);
+    vec![
+        (
+            "importance",
+            map("importance", "importance, 0 to 1 (noise may exceed 1)", importance, 1.0),
+        ),
+        ("k", map("k", "records of a pixel", k, most)),
+    ]
 }
 
 #[cfg(test)]

@@ -50,16 +50,11 @@ pub fn instances(subject: &Subject, family: &Family) -> Vec<Litmus> {
 pub fn of_size(subject: &Subject, family: &Family, n: u32) -> Vec<Litmus> {
     let all = of_contract(subject.contract, family, n);
     let Some(first) = all.first() else { return all };
-    let declared = |litmus: &Litmus| subject.case(litmus).instance.layout().inputs().to_vec();
-    if declared(first).is_empty() {
+    let declared = subject.case(first).instance.layout().inputs().to_vec();
+    if declared.is_empty() {
         return all;
     }
-    // What is declared may depend on the configuration.
-    let with_inputs = |litmus: Litmus| {
-        let declared = declared(&litmus);
-        with_inputs(litmus, &declared)
-    };
-    all.into_iter().flat_map(with_inputs).collect()
+    all.into_iter().flat_map(|litmus| with_inputs(litmus, &declared)).collect()
 }
 
 /// An instance with every choice of the values to try for its inputs, for up to three words of an input that matter;

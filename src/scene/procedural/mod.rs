@@ -3,21 +3,18 @@
 //! A generator is a file with its description (a [`Builtin`]) and a function from [`Keys`] to a [`Model`]; the
 //! list [`builtin`] is the catalogue. Numbers come from + - * /, square roots, `libm` and `num::random`.
 
-mod bottles;
-mod cubes;
-mod cuboid;
-mod gears;
-mod hairball;
 mod keys;
-mod layers;
+mod natural;
+mod screen;
 mod shape;
-mod sphere;
-mod stack;
-mod synthetic;
+mod solid;
 
 use std::collections::BTreeMap;
 
 pub use self::keys::{Key, Keys, Range};
+use self::natural::{beard, greenhouse, hairball, needle_tree, smoke};
+use self::screen::{layers, stack, synthetic};
+use self::solid::{bottles, cubes, cuboid, gears, sphere};
 use super::Model;
 use crate::error::{Error, Result};
 
@@ -36,7 +33,7 @@ pub struct Builtin {
     generate: fn(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model>,
 }
 
-const BUILTINS: [Builtin; 9] = [
+const BUILTINS: [Builtin; 13] = [
     synthetic::BUILTIN,
     layers::BUILTIN,
     hairball::BUILTIN,
@@ -46,6 +43,10 @@ const BUILTINS: [Builtin; 9] = [
     stack::BUILTIN,
     sphere::BUILTIN,
     cuboid::BUILTIN,
+    beard::BUILTIN,
+    smoke::BUILTIN,
+    greenhouse::BUILTIN,
+    needle_tree::BUILTIN,
 ];
 
 /// All procedural scenes.

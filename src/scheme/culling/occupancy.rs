@@ -30,7 +30,7 @@ use crate::scheme::{Config, Contract, Depth, Outcome, Scheme};
 /// The most words of a mask.
 pub const MOST_WORDS: u32 = 256;
 
-/// The input with the k of each pixel; `-k`, unless it is filled.
+/// The input with the k of each pixel; 0 stands for `-k`.
 pub const K: &str = "k";
 
 /// What `near` is cleared to: no fragment is that far away.
@@ -161,12 +161,13 @@ impl Variant for EndsEarly {
 /// The passes.
 #[derive(Debug)]
 pub struct Occupancy<V = Correct> {
+    k: u32,
     /// Words of the mask.
     words: u32,
     near: Words<Pixel, Atomic, u32>,
     far: Words<Pixel, Atomic, u32>,
     mask: Words<Pixel, Atomic, u32>,
-    k: Input,
+    own_k: Input,
     variant: PhantomData<V>,
 }
 
@@ -177,13 +178,14 @@ impl<V: Variant> Scheme for Occupancy<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let words = config.mask_words.clamp(1, MOST_WORDS);
-        let k = config.k.unwrap_or(8);
+        let own_k = Declared { name: K, per: Per::Pixel, default: 0, tried: &[] };
         Self {
+            k: config.k.unwrap_or(8),
             words,
             near: layout.pixel(1),
             far: layout.pixel(1),
             mask: layout.pixel(words.into()),
-            k: layout.input(Declared { name: K, per: Per::Pixel, default: k, tried: &[] }),
+            own_k: layout.input(own_k),
             variant: PhantomData,
         }
     }
@@ -221,7 +223,7 @@ impl<V: Variant> Scheme for Occupancy<V> {
         let (count, range) = (u128::from(self.words) * 32, u128::from(far - near) + 1);
         let place = |z: u32| u128::from(z - near) * count;
         let occupied: BTreeSet<u128> = depths.iter().map(|&z| place(z) / range).collect();
-        let k = inputs.get(self.k.at(pixel)).max(1);
+        let k = self.k(inputs.get(self.own_k.at(pixel)));
         let kth = occupied.iter().nth(k as usize - 1);
         let last = |&i: &u128| near + (((i + 1) * range - 1) / count) as u32;
         Some(kth.map_or_else(Depth::default, |i| Depth(last(i))))
@@ -234,9 +236,8 @@ impl<V: Variant> Scheme for Occupancy<V> {
             return;
         }
         let far = mem.load(self.far.at(pixel, 0), Order::Relaxed).await;
-        let k = mem.input(self.k.at(pixel)).max(1);
         // Set bits still to be met, and the last one that was.
-        let (mut left, mut met) = (k, 0);
+        let (mut left, mut met) = (self.k(mem.input(self.own_k.at(pixel))), 0);
         for word in 0..self.words {
             let mut bits = mem.load(self.mask.at(pixel, word), Order::Relaxed).await;
             while bits != 0 {
@@ -254,6 +255,11 @@ impl<V: Variant> Scheme for Occupancy<V> {
 }
 
 impl<V: Variant> Occupancy<V> {
+    /// From a pixel's own.
+    fn k(&self, own: u32) -> u32 {
+        if own == 0 { self.k.max(1) } else { own }
+    }
+
     fn intervals(&self, near: u32, far: u32) -> Intervals {
         Intervals::new(near, far, 32 * self.words)
     }

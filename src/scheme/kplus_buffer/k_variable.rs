@@ -10,6 +10,7 @@
 //! sum, twice    frame          Q = sum of all q(p)
 //! k             per pixel      k(p) = floor(q(p) M / Q); block sum += k(p)
 //! sum, twice    frame          where ranges begin
+//! place         per pixel      where its own begins
 //! store         per fragment   into the pixel's range
 //! ```
 //!
@@ -72,6 +73,7 @@ const SUMS: [Pass; 2] = [
     Pass::new("sum groups", PassKind::Frame, Barrier::Frame),
 ];
 const SHARE_PASS: Pass = Pass::new("k", PassKind::Screen, Barrier::Frame);
+const PLACE_PASS: Pass = Pass::new("place", PassKind::Screen, Barrier::Frame);
 
 /// The passes as published.
 const PASSES: &[Pass] = &[
@@ -82,7 +84,8 @@ const PASSES: &[Pass] = &[
     SHARE_PASS,
     SUMS[0],
     SUMS[1],
-    Pass::store(Barrier::Frame),
+    PLACE_PASS,
+    Pass::store(Barrier::Pixel),
 ];
 
 /// The shares are computed while the sum is.
@@ -94,7 +97,8 @@ const WITHOUT_BARRIER: &[Pass] = &[
     Pass::new("k", PassKind::Screen, Barrier::Missing),
     SUMS[0],
     SUMS[1],
-    Pass::store(Barrier::Frame),
+    PLACE_PASS,
+    Pass::store(Barrier::Pixel),
 ];
 
 /// How a pixel's number of fragments becomes importance (equation 3).
@@ -282,7 +286,7 @@ impl<V: Variant> Scheme for KVariable<V> {
             total: layout.global(1),
             depth: layout.global(records),
             data: layout.global(records),
-            factor: layout.input(input(FACTOR, ONE, &[0, 6_700, ONE])),
+            factor: layout.input(input(FACTOR, ONE, &[6_700, ONE])),
             bias: layout.input(input(BIAS, 0, &[])),
             variant: PhantomData,
         }
@@ -310,11 +314,10 @@ impl<V: Variant> Scheme for KVariable<V> {
     }
 
     async fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) {
-        if pass == IMPORTANCE {
-            self.weigh(mem, pixel).await;
-        } else {
-            debug_assert_eq!(pass, SHARE);
-            self.divide(mem, pixel).await;
+        match pass {
+            IMPORTANCE => self.weigh(mem, pixel).await,
+            SHARE => self.divide(mem, pixel).await,
+            _ => self.place(mem, pixel).await,
         }
     }
 
@@ -340,7 +343,7 @@ impl<V: Variant> Scheme for KVariable<V> {
         if k == 0 {
             return Outcome::Culled;
         }
-        let (first, crowded) = self.ranges.start::<_, Self>(mem, pixel).await;
+        let (first, crowded) = self.ranges.placed::<_, Self>(mem, pixel).await;
         let slots = OfFrame { depth: self.depth, data: self.data, first };
         let heap = crowded && k > V::ARRAY_UP_TO;
         let counter = self.counter.at(pixel, 0);
@@ -381,7 +384,7 @@ impl<V: Variant> Scheme for KVariable<V> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {
-            let (first, _) = self.ranges.start::<_, ()>(mem, pixel).await;
+            let (first, _) = self.ranges.placed::<_, ()>(mem, pixel).await;
             let slots = OfFrame { depth: self.depth, data: self.data, first };
             for i in 0..count {
                 keys.push(pair_key(entry(mem, slots, i).await));
@@ -392,7 +395,7 @@ impl<V: Variant> Scheme for KVariable<V> {
 
 /// The pass of [`ranges::PASSES`] that one of ours is.
 fn of_ranges(pass: usize) -> usize {
-    pass - RANGE_BLOCKS + ranges::BLOCKS
+    pass.saturating_sub(RANGE_BLOCKS) + ranges::BLOCKS
 }
 
 impl<V: Variant> KVariable<V> {
@@ -423,6 +426,12 @@ impl<V: Variant> KVariable<V> {
             }
         }
         mem.store(self.counter.at(pixel, 0), 0, Order::Relaxed).await;
+    }
+
+    async fn place<M: Memory>(&self, mem: &M, pixel: u32) {
+        if mem.plain_load(self.share.at(pixel, 0)).await > 0 {
+            self.ranges.place(mem, pixel).await;
+        }
     }
 
     fn share(&self, weight: u32, total: u64) -> u32 {

@@ -122,12 +122,24 @@ impl Ranges {
         (u64::from(group) + u64::from(block) + u64::from(offset >> 1), offset & 1 == 1)
     }
 
-    /// Where a pixel's records begin, for an invariant; `None` while it is not known.
+    /// Write a pixel's start where its offset was, so that the store pass needs not add it up for every fragment. Only
+    /// for pixels that have records, once, in a pass of its own.
+    pub async fn place<M: Memory>(self, mem: &M, pixel: u32) {
+        let (start, flag) = self.start::<_, Self>(mem, pixel).await;
+        mem.plain_store(self.offset.at(pixel, 0), (start as u32) << 1 | u32::from(flag)).await;
+    }
+
+    /// Where a pixel's records begin, and its flag, after [`Self::place`].
+    #[inline(always)]
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub async fn placed<M: Memory, Caller>(self, mem: &M, pixel: u32) -> (u64, bool) {
+        let place = mem.plain_load(self.offset.at(pixel, 0)).await;
+        (u64::from(place >> 1), place & 1 == 1)
+    }
+
+    /// The same, for an invariant; `None` while nothing was written.
     #[must_use]
     pub fn seen(self, words: &Snapshot<'_>, pixel: u32) -> Option<u64> {
-        let offset = words.get(self.offset.at(pixel, 0))?;
-        let block = words.get(self.blocks.at(u64::from(pixel / RADIX)))?;
-        let group = words.get(self.groups.at(u64::from(pixel / (RADIX * RADIX))))?;
-        Some(u64::from(group) + u64::from(block) + u64::from(offset >> 1))
+        words.get(self.offset.at(pixel, 0)).map(|place| u64::from(place >> 1))
     }
 }

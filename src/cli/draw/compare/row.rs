@@ -2,10 +2,12 @@
 
 use serde::Serialize;
 
+use crate::exec::Method;
 use crate::image::difference::Difference;
 use crate::image::sheet::Labels;
 use crate::render::Rendering;
 use crate::report::text::{Align, columns, percent, thousands};
+use crate::scheme::contract::{Contract, Demand, Keeps};
 
 /// One method next to its reference.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -30,8 +32,20 @@ pub(in crate::cli) struct Compared {
     pub(in crate::cli) may_look_different: bool,
     /// Against the reference with `reference_k`.
     pub(in crate::cli) from_reference: Difference,
-    /// Against the reference with all fragments.
+    /// Against the reference with all fragments; so are the following.
     pub(in crate::cli) from_all: Difference,
+    /// In decibels; none if the pictures are equal.
+    pub(in crate::cli) psnr: Option<f64>,
+    pub(in crate::cli) ssim: f64,
+    /// Smallest and largest number of records that a pixel with fragments has room for; none where nothing limits it.
+    pub(in crate::cli) k_range: Option<[u32; 2]>,
+    /// Generated fragments that are not in the lists, in per cent.
+    pub(in crate::cli) loss: f64,
+    /// Bytes of records that hold a fragment (8 each), in per cent of the memory budget.
+    pub(in crate::cli) utilisation: Option<f64>,
+    pub(in crate::cli) memory_budget: Option<u64>,
+    pub(in crate::cli) bytes: u64,
+    pub(in crate::cli) arrival_dependent: bool,
     pub(in crate::cli) image_hash: String,
     pub(in crate::cli) fragments_hash: Option<String>,
     pub(in crate::cli) warnings: Vec<String>,
@@ -41,14 +55,14 @@ pub(in crate::cli) struct Compared {
 impl Compared {
     /// The row of a frame, differences still to be filled in.
     pub(in crate::cli) fn new(
-        method: &str,
+        method: Method,
         reference: &str,
         k: Option<u32>,
         drawn: &Rendering,
     ) -> Self {
         let report = &drawn.report;
         Self {
-            method: method.to_owned(),
+            method: method.name().to_owned(),
             scene: report.scene.clone(),
             width: report.width,
             height: report.height,
@@ -63,6 +77,12 @@ impl Compared {
             fragments_hash: report.fragments_hash.clone(),
             warnings: report.warnings.clone(),
             violations: report.violations.clone(),
+            k_range: k_range(method.contract(), drawn),
+            loss: share(report.generated.saturating_sub(report.kept), report.generated),
+            utilisation: report.budget.as_ref().map(|b| share(RECORD * report.kept, b.bytes)),
+            memory_budget: report.budget.as_ref().map(|budget| budget.bytes),
+            bytes: report.bytes,
+            arrival_dependent: method.contract().is_arrival_dependent(),
             ..Self::default()
         }
     }
@@ -120,6 +140,60 @@ impl Compared {
     }
 }
 
+/// Bytes of a record: a depth and a data word.
+const RECORD: u64 = 8;
+
+/// In per cent.
+fn share(part: u64, whole: u64) -> f64 {
+    if whole == 0 { 0.0 } else { 100.0 * part as f64 / whole as f64 }
+}
+
+/// See [`Compared::k_range`].
+fn k_range(contract: &Contract, drawn: &Rendering) -> Option<[u32; 2]> {
+    if let Some(importance) = &drawn.report.importance {
+        return Some([importance.smallest_k, importance.largest_k]);
+    }
+    let k = drawn.report.k?;
+    if contract.keeps != Keeps::Nearest || contract.demand != Demand::Bounded {
+        return Some([k, k]);
+    }
+    // It has room for as many as there are, up to k.
+    let lists = drawn.kept.fragments()?;
+    let sizes = lists.offsets.windows(2).map(|ends| (ends[1] - ends[0]) as u32);
+    let filled = || sizes.clone().filter(|&size| size > 0);
+    Some([filled().min()?, filled().max()?])
+}
+
+/// The columns of the importance paper's Table 2, for methods at one memory budget.
+fn at_budget(rows: &[Compared]) -> String {
+    let Some(budget) = rows.iter().find_map(|row| row.memory_budget) else { return String::new() };
+    let heading =
+        ["method", "k", "stored", "loss", "utilised", "bytes", "PSNR", "SSIM", "by at most"];
+    let mut cells = vec![heading.map(str::to_owned).to_vec()];
+    for row in rows {
+        let k = match row.k_range {
+            Some([low, high]) if low == high => low.to_string(),
+            Some([low, high]) => format!("{low}-{high}"),
+            None => "-".to_owned(),
+        };
+        cells.push(vec![
+            row.method.clone(),
+            k,
+            thousands(row.kept),
+            format!("{:.1} %", row.loss),
+            row.utilisation.map_or_else(|| "-".to_owned(), |share| format!("{share:.1} %")),
+            thousands(row.bytes),
+            row.psnr.map_or_else(|| "equal".to_owned(), |psnr| format!("{psnr:.2} dB")),
+            format!("{:.5}", row.ssim),
+            row.from_all.max.to_string(),
+        ]);
+    }
+    let mut aligned = [Align::Right; 9];
+    aligned[0] = Align::Left;
+    let budget = thousands(budget);
+    format!("\nin {budget} bytes, against all fragments\n\n{}", columns(&aligned, &cells))
+}
+
 /// The rows under a heading, with what they have in common above.
 pub(in crate::cli) fn table(rows: &[Compared]) -> String {
     let Some(first) = rows.first() else { return "no methods to compare\n".to_owned() };
@@ -146,13 +220,14 @@ pub(in crate::cli) fn table(rows: &[Compared]) -> String {
         n => format!("{n} of {} differ from their reference", rows.len()),
     };
     format!(
-        "{} at {}x{}, {}, {} fragments\n\n{}\n{summary}\n",
+        "{} at {}x{}, {}, {} fragments\n\n{}{}\n{summary}\n",
         first.scene,
         first.width,
         first.height,
         first.exec,
         thousands(first.generated),
-        columns(&aligned, &cells)
+        columns(&aligned, &cells),
+        at_budget(rows)
     )
 }
 

@@ -52,7 +52,9 @@ fn resolve(pixel: u32) {
         return;
     }
     let far = atomicLoad(&pixels[pixel].far);
-    var left = max(inputs[INPUT_K + pixel], 1u);
+    // A pixel's own k; 0 stands for that of all.
+    let own = inputs[INPUT_K + pixel];
+    var left = select(own, K, own == 0u);
     for (var word = 0u; word < MASK_WORDS; word++) {
         var bits = atomicLoad(&pixels[pixel].mask[word]);
         while bits != 0u {

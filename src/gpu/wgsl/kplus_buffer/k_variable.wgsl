@@ -24,6 +24,7 @@ const ONE: u32 = 65536u;
 const IMPORTANCE: u32 = 1u;
 const WEIGHT_BLOCKS: u32 = 2u;
 const WEIGHT_GROUPS: u32 = 3u;
+const SHARE: u32 = 4u;
 const RANGE_BLOCKS: u32 = 5u;
 
 struct Pixel {
@@ -116,8 +117,10 @@ fn divide(pixel: u32) {
 fn screen(pixel: u32) {
     if PASS == IMPORTANCE {
         weigh(pixel);
-    } else {
+    } else if PASS == SHARE {
         divide(pixel);
+    } else if pixels[pixel].share > 0u {
+        place(pixel);
     }
 }
 
@@ -187,7 +190,7 @@ fn store(fragment: Fragment) -> u32 {
     if k == 0u {
         return CULLED;
     }
-    let range = range_of(pixel);
+    let range = placed(pixel);
     if atomicLoad(&pixels[pixel].counter) == k && fragment.depth > atomicLoad(&memory.depth[range.start]) {
         return CULLED;
     }
@@ -204,7 +207,7 @@ fn store(fragment: Fragment) -> u32 {
 fn resolve(pixel: u32) {
     let count = atomicLoad(&pixels[pixel].counter);
     if count > 0u {
-        let first = range_of(pixel).start;
+        let first = placed(pixel).start;
         for (var i = 0u; i < count; i++) {
             emit(entry(first, i));
         }

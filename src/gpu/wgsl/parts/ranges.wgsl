@@ -69,3 +69,15 @@ fn range_of(pixel: u32) -> Range {
     let group = memory.groups[pixel / (RADIX * RADIX)];
     return Range(group + block + (offset >> 1u), (offset & 1u) == 1u);
 }
+
+// Write a pixel's start where its offset was, in a pass of its own. Only for pixels that have records.
+fn place(pixel: u32) {
+    let range = range_of(pixel);
+    pixels[pixel].offset = (range.start << 1u) | u32(range.flag);
+}
+
+// After `place`.
+fn placed(pixel: u32) -> Range {
+    let offset = pixels[pixel].offset;
+    return Range(offset >> 1u, (offset & 1u) == 1u);
+}

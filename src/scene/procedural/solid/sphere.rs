@@ -1,11 +1,11 @@
 //! One ball: a closed surface.
 
-use super::super::{Material, Model};
-use super::shape::sphere;
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Material, Model};
+use super::super::shape::sphere;
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "sphere",
     about: "a ball around the origin, closed",
     in_pixels: false,

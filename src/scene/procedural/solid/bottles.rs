@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
 
-use super::super::{Material, Model};
-use super::shape::revolve;
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Material, Model};
+use super::super::shape::revolve;
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "bottles",
     about: "stacked glass bottles with an outer and an inner wall, each 1 high",
     in_pixels: false,

@@ -2,13 +2,13 @@
 //! background b, `count` layers make c (1 - (1 - a)^count) + b (1 - a)^count, in whatever order they are drawn.
 //! (With 8-bit data words, a is the opacity's byte over 255.)
 
-use super::super::Model;
-use super::shape::{layer_depth, rectangle};
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::Model;
+use super::super::shape::{layer_depth, rectangle};
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "layers",
     about: "equal layers over the whole image: c (1 - (1 - a)^count) + background (1 - a)^count",
     in_pixels: true,

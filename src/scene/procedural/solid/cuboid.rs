@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 
-use super::super::{Material, Model};
-use super::shape::cuboid;
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Material, Model};
+use super::super::shape::cuboid;
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 
 /// An edge's length.
 const EDGE: Range = Range::Real(1e-6, 1e6);
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "box",
     about: "a box around the origin, closed",
     in_pixels: false,

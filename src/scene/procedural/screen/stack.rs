@@ -1,13 +1,13 @@
 //! Squares of one size at random places, brought together until they lie on each other: the number of fragments stays,
 //! and depth complexity grows (the stress test of the HA-buffer paper, figure 8).
 
-use super::super::Model;
-use super::shape::{layer_depth, rectangle};
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::Model;
+use super::super::shape::{layer_depth, rectangle};
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "stack",
     about: "squares of one size, brought together until they lie on each other",
     in_pixels: true,
@@ -58,7 +58,7 @@ fn generate(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model> {
 mod tests {
     use std::collections::BTreeMap;
 
-    use super::super::{generate, parse_keys};
+    use super::super::super::{generate, parse_keys};
 
     #[test]
     fn squares_keep_their_size_and_meet_in_the_middle() {

@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::super::{Material, Mesh, Model};
-use super::shape::{prism, random_color, revolve, turn_and_move};
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Material, Mesh, Model};
+use super::super::shape::{prism, random_color, revolve, turn_and_move};
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "gears",
     about: "two plates of meshing gears, each of 15 parts in random colours (13 gears are 195 parts)",
     in_pixels: false,

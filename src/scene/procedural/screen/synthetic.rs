@@ -3,16 +3,16 @@
 //! (i + 1/2) / n. Triangles inside a tessellated layer share edges, which the top-left rule gives to one side.
 //! (Vasilakis and Fudos, "k+-buffer", I3D 2014, section 4.1.)
 
-use super::super::{Model, ScreenTriangle};
-use super::shape::{layer_depth, random_color, rectangle};
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Model, ScreenTriangle};
+use super::super::shape::{layer_depth, random_color, rectangle};
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
 
 /// The most rectangles over all layers.
 const MAX_QUADS: u64 = 1 << 21;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "synthetic",
     about: "n fragments on each pixel of a centred rectangle, in random order, as in the papers",
     in_pixels: true,

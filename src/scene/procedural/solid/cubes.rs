@@ -3,12 +3,12 @@
 
 use glam::{DMat4, DVec3};
 
-use super::super::{Material, Model};
-use super::shape::{cuboid, sphere};
-use super::{Builtin, Key, Keys, Range};
+use super::super::super::{Material, Model};
+use super::super::shape::{cuboid, sphere};
+use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 
-pub(super) const BUILTIN: Builtin = Builtin {
+pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     name: "cubes",
     about: "five intersecting, coplanar and nested boxes with a ball through them",
     in_pixels: false,
