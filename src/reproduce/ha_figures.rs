@@ -1,7 +1,7 @@
 //! Figures 5 and 8 of the HA-buffer paper: the cost of an insertion as the table fills up, and as lists grow.
 
 use super::plot::{Curve, Plot};
-use super::{Outcome, Scale};
+use super::{Outcome, Scale, Verdict};
 use crate::catalogue;
 use crate::error::Result;
 use crate::render::{Data, Options, Report, TableOptions, render};
@@ -133,8 +133,8 @@ pub(super) fn loads(scale: &Scale) -> Result<Outcome> {
         curves,
     };
     let columns = columns("load asked for (%)");
-    let (plot, differences) = (Some(plot), Vec::new());
-    Ok(Outcome { experiment: "ha-fig5", summary, columns, rows, plot, differences })
+    let verdict = Some(Verdict::of(&cliff(&plot.curves[0])));
+    Ok(Outcome { columns, rows, plot: Some(plot), verdict, ..Outcome::new("ha-fig5", summary) })
 }
 
 /// Figure 8: with and without early culling, by how close the squares are.
@@ -166,8 +166,36 @@ pub(super) fn stack(scale: &Scale) -> Result<Outcome> {
         curves,
     };
     let columns = columns("together");
-    let (plot, differences) = (Some(plot), Vec::new());
-    Ok(Outcome { experiment: "ha-fig8", summary, columns, rows, plot, differences })
+    let verdict = Some(Verdict::of(&bounded(&plot.curves)));
+    Ok(Outcome { columns, rows, plot: Some(plot), verdict, ..Outcome::new("ha-fig8", summary) })
+}
+
+/// What does not hold of probes by load: they rise at least three times as fast after 80 % as before.
+fn cliff(curve: &Curve) -> Vec<String> {
+    let mut points = curve.points.clone();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let slope = |[a, b]: [[f64; 2]; 2]| (b[1] - a[1]) / (b[0] - a[0]).max(1e-9);
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return Vec::new() };
+    let Some(&turn) = points.iter().rev().find(|point| point[0] <= 80.5) else { return Vec::new() };
+    let [before, after] = [[first, turn], [turn, last]].map(slope);
+    if after >= 3.0 * before {
+        return Vec::new();
+    }
+    vec![format!("probes rise {:.1} times as fast after 80 % as before", after / before)]
+}
+
+/// What does not hold of stacking squares: probes rise with the stack, and culling keeps them lower.
+fn bounded(curves: &[Curve]) -> Vec<String> {
+    let ends = |curve: &Curve| {
+        let at = |point: Option<&[f64; 2]>| point.map_or(0.0, |point| point[1]);
+        [at(curve.points.first()), at(curve.points.last())]
+    };
+    let [apart, stacked] = ends(&curves[0]);
+    let [_, culled] = ends(&curves[1]);
+    if stacked > apart && culled < stacked {
+        return Vec::new();
+    }
+    vec![format!("{apart:.1} probes apart, {stacked:.1} stacked, {culled:.1} with culling")]
 }
 
 #[cfg(test)]

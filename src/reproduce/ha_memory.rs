@@ -4,7 +4,7 @@
 //! The paper counts fragments of 56 bits (depth 24, RGBA 32) and pointers of 32; ours have 32-bit depths where the
 //! method allows it, and need more for their form (locks, counters, blocks of prefix sums), so they are larger.
 
-use super::{Outcome, Scale};
+use super::{Outcome, Scale, Verdict};
 use crate::catalogue::method;
 use crate::error::Result;
 use crate::raster::Grid;
@@ -117,7 +117,8 @@ pub(super) fn table(_: &Scale) -> Result<Outcome> {
     ];
     let summary =
         format!("{right} of {} printed values follow from the paper's formulas", rows.len());
-    Ok(Outcome { experiment: "ha-table1", summary, columns, rows, plot: None, differences })
+    let verdict = Some(Verdict::of(&differences));
+    Ok(Outcome { columns, rows, verdict, differences, ..Outcome::new("ha-table1", summary) })
 }
 
 impl Technique {

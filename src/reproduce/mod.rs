@@ -1,16 +1,20 @@
 //! The papers' tables and figures: theirs next to ours.
 //!
-//! An [`Experiment`] gives a table, which is written as CSV, and, where the paper draws curves, a plot as SVG. What is
+//! An [`Experiment`] gives a table, which is written as CSV; a plot as SVG, where the paper draws curves; pictures; and a
+//! verdict: as in the paper, or how it differs. What is
 //! counted (probes, atomic operations, ages, bytes) is the same everywhere; seconds are this machine's, and only their
 //! trend is comparable.
 
 mod ha_figures;
 mod ha_memory;
+mod importance;
+mod occupancy;
 pub mod plot;
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::image::Image;
 use plot::Plot;
 
 /// A published table or figure.
@@ -48,8 +52,40 @@ pub struct Outcome {
     /// The curves, if there are any.
     #[serde(skip)]
     pub plot: Option<Plot>,
+    /// Pictures, by what they show.
+    #[serde(skip)]
+    pub pictures: Vec<(String, Image)>,
+    /// Whether what must hold does, if the paper's point can be decided here.
+    pub verdict: Option<Verdict>,
     /// Values that should equal the paper's and do not.
     pub differences: Vec<String>,
+}
+
+/// How ours compares with the paper's.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// All that must hold does.
+    pub as_in_the_paper: bool,
+    /// Otherwise, what does not, and why.
+    pub how: String,
+}
+
+impl Verdict {
+    /// From what does not hold.
+    #[must_use]
+    pub fn of(differences: &[String]) -> Self {
+        Self { as_in_the_paper: differences.is_empty(), how: differences.join("; ") }
+    }
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.as_in_the_paper {
+            f.write_str("as in the paper")
+        } else {
+            write!(f, "differs: {}", self.how)
+        }
+    }
 }
 
 /// All experiments.
@@ -71,6 +107,54 @@ pub const EXPERIMENTS: &[Experiment] = &[
         paper: "HA-buffer 2013, Figure 8",
         about: "squares that are brought together until they lie on each other",
         run: ha_figures::stack,
+    },
+    Experiment {
+        name: "varik-table1",
+        paper: "importance maps 2017, Table 1",
+        about: "how three k-buffers choose k and take memory",
+        run: importance::overview,
+    },
+    Experiment {
+        name: "varik-table2",
+        paper: "importance maps 2017, Table 2",
+        about: "k and loss of fixed, dynamic and variable k in one budget",
+        run: importance::losses,
+    },
+    Experiment {
+        name: "varik-fig1",
+        paper: "importance maps 2017, Figure 1",
+        about: "beard and smoke by budget",
+        run: importance::teaser,
+    },
+    Experiment {
+        name: "varik-fig2",
+        paper: "importance maps 2017, Figure 2",
+        about: "importance as maps",
+        run: importance::allocation,
+    },
+    Experiment {
+        name: "varik-fig3",
+        paper: "importance maps 2017, Figure 3",
+        about: "the pipeline",
+        run: importance::pipeline,
+    },
+    Experiment {
+        name: "varik-fig4",
+        paper: "importance maps 2017, Figure 4",
+        about: "the factors of importance as maps",
+        run: importance::factors,
+    },
+    Experiment {
+        name: "varik-fig5",
+        paper: "importance maps 2017, Figure 5",
+        about: "bottles and greenhouse by budget",
+        run: importance::evaluation,
+    },
+    Experiment {
+        name: "occupancy-fig1",
+        paper: "occupancy culling 2014, Figure 1",
+        about: "the k+-buffer with and without culling, by k",
+        run: occupancy::culling,
     },
 ];
 
@@ -96,7 +180,30 @@ impl Experiment {
     }
 }
 
+/// A word of a contract as it is written in JSON.
+fn word(word: &impl Serialize) -> String {
+    serde_json::to_value(word).map_or_else(
+        |error| error.to_string(),
+        |value| value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+    )
+}
+
 impl Outcome {
+    /// An empty one.
+    #[must_use]
+    pub fn new(experiment: &'static str, summary: String) -> Self {
+        Self {
+            experiment,
+            summary,
+            columns: Vec::new(),
+            rows: Vec::new(),
+            plot: None,
+            pictures: Vec::new(),
+            verdict: None,
+            differences: Vec::new(),
+        }
+    }
+
     /// The table as CSV, with a line of names first.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -126,12 +233,9 @@ mod tests {
     #[test]
     fn cells_with_commas_are_quoted() {
         let outcome = Outcome {
-            experiment: "x",
-            summary: String::new(),
             columns: vec!["a", "b, c"],
             rows: vec![vec!["1".into(), "say \"2\"".into()]],
-            plot: None,
-            differences: Vec::new(),
+            ..Outcome::new("x", String::new())
         };
         assert_eq!(outcome.csv(), "a,\"b, c\"\n1,\"say \"\"2\"\"\"\n");
     }

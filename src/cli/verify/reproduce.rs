@@ -6,24 +6,34 @@ use crate::cli::Verdict;
 use crate::cli::options::flags::Output;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::image::png;
 use crate::report::text::{Align, columns};
 use crate::report::{files, json};
 use crate::reproduce::{EXPERIMENTS, Experiment, Outcome, Scale, experiment};
 use crate::scene::MAX_SIZE;
 
+/// Edge of the papers' pictures.
+const FULL: u32 = 1_024;
+
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// Experiments: ha-table1, ha-fig5, ha-fig8 [default: all]
+    /// Experiments: ha-table1, ha-fig5, ha-fig8, varik-table1, varik-table2, varik-fig1 to varik-fig5, occupancy-fig1
+    /// [default: all]
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
 
-    /// A folder that exists, for EXPERIMENT.csv, and EXPERIMENT.svg if there are curves [default: not written]
+    /// A folder that exists, for EXPERIMENT.csv, EXPERIMENT.svg if there are curves, and EXPERIMENT-*.png if there are
+    /// pictures [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     folder: Option<PathBuf>,
 
-    /// Edge of the square picture of experiments that draw one, 16 to 16384 pixels
+    /// Edge of the square picture of experiments that draw one, 16 to 16384 pixels; --full is 1024, as in most papers
     #[arg(long, value_name = "PIXELS", default_value_t = 512, allow_negative_numbers = true)]
     edge: u32,
+
+    /// Pictures of the papers' size, 1024x1024, unless --edge says otherwise
+    #[arg(long, conflicts_with = "edge")]
+    full: bool,
 
     /// How often each point is timed, 1 to 1000; the median is reported
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
@@ -53,7 +63,8 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
     if let Some(folder) = &args.folder {
         files::check_folder("-o", folder)?;
     }
-    let scale = Scale { edge: args.edge, repeats: args.repeats };
+    let edge = if args.full { FULL } else { args.edge };
+    let scale = Scale { edge, repeats: args.repeats };
     let mut outcomes = Vec::new();
     for experiment in chosen {
         let message = format!("running {}", experiment.name);
@@ -76,6 +87,12 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Verdict> {
 fn write(folder: &Path, outcome: &Outcome) -> Result<()> {
     let path = |ending: &str| folder.join(format!("{}.{ending}", outcome.experiment));
     files::write_bytes(&path("csv"), outcome.csv().as_bytes())?;
+    for (name, picture) in &outcome.pictures {
+        let path = folder.join(format!("{}-{name}.png", outcome.experiment));
+        let bytes = png::encode(picture)
+            .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+        files::write_bytes(&path, &bytes)?;
+    }
     match &outcome.plot {
         Some(plot) => files::write_bytes(&path("svg"), plot.svg().as_bytes()),
         None => Ok(()),
@@ -88,5 +105,7 @@ fn table(outcome: &Outcome) -> String {
     let numeric = |column: usize| rows[1..].iter().all(|row| row[column].parse::<f64>().is_ok());
     let align = |column| if numeric(column) { Align::Right } else { Align::Left };
     let aligned: Vec<Align> = (0..outcome.columns.len()).map(align).collect();
-    format!("{}\n{}{}\n\n", outcome.experiment, columns(&aligned, &rows), outcome.summary)
+    let verdict = outcome.verdict.as_ref().map_or_else(String::new, |v| format!("{v}\n"));
+    let table = columns(&aligned, &rows);
+    format!("{}\n{table}{}\n{verdict}\n", outcome.experiment, outcome.summary)
 }
