@@ -72,7 +72,6 @@ catalogue! {
         KPlusSb<kplus_sb::Heap>,
         KPlusSb<kplus_sb::Published>,
         KVariable,
-        KVariable<k_variable::Heap>,
         DepthPeel,
         DepthPeel<depth_peel::Published>,
         DualPeel,

@@ -99,10 +99,8 @@ mod tests {
     use super::*;
 
     fn ramp(step: u8) -> Image {
-        let pixels = (0..24u8 * 20).map(|_| 0).enumerate();
-        let pixels = pixels
-            .map(|(i, _): (usize, u8)| [(i % 24 * 7) as u8 + step, (i / 24 * 9) as u8, 90, 255]);
-        Image { width: 24, height: 20, pixels: pixels.collect() }
+        let of = |i: usize| [(i % 24 * 7) as u8 + step, (i / 24 * 9) as u8, 90, 255];
+        Image { width: 24, height: 20, pixels: (0..480).map(of).collect() }
     }
 
     #[test]

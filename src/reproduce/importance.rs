@@ -43,7 +43,7 @@ const SETTINGS: [Setting; 4] = [
     Setting {
         name: "smoke",
         ours: "smoke",
-        distance: 0.5,
+        distance: 0.6,
         depth: 16,
         k: 2,
         printed: [("2", 62), ("1-4", 47), ("1-5", 39)],
@@ -51,7 +51,7 @@ const SETTINGS: [Setting; 4] = [
     Setting {
         name: "bottles",
         ours: "bottles:rows=4",
-        distance: 0.75,
+        distance: 0.9,
         depth: 22,
         k: 2,
         printed: [("2", 70), ("1-3", 55), ("1-5", 46)],
@@ -59,7 +59,7 @@ const SETTINGS: [Setting; 4] = [
     Setting {
         name: "greenhouse",
         ours: "greenhouse",
-        distance: 0.5,
+        distance: 0.55,
         depth: 106,
         k: 3,
         printed: [("3", 80), ("1-4", 74), ("1-10", 72)],

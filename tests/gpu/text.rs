@@ -25,7 +25,7 @@ fn configs() -> Vec<Config> {
         pages: generated.div_ceil(4),
         grid,
         table: TableSettings { size: [48, 48], ..TableSettings::default() },
-        records: generated / 2,
+        records: generated.div_ceil(2),
         mask_words: 1 + most,
         ..Config::default()
     };

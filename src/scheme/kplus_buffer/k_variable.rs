@@ -2,7 +2,8 @@
 //!
 //! The frame has M records. A pixel p gets k(p) of them, its share of the importance of all pixels, in one contiguous
 //! range, and keeps its k(p) nearest fragments there, by the steps of the k+-buffer: a max-array, or a max-heap where
-//! k(p) > 16 and the pixel has more fragments than that.
+//! k(p) > 16 and the pixel has more fragments than that. (Small instances reach the heap in `kplus-sb@heap`, whose store
+//! pass is this one's: [`locked_row`].)
 //!
 //! ```text
 //! count         per fragment   N(p) fragments
@@ -152,8 +153,6 @@ pub enum Quotient {
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
-    /// Up to which k(p) an array is used.
-    const ARRAY_UP_TO: u32 = ARRAY_UP_TO;
     /// How k(p) is computed.
     const QUOTIENT: Quotient = Quotient::Floor;
     /// Whether this frame's fragments are counted; otherwise, what the last frame left is taken for their number.
@@ -163,10 +162,6 @@ pub trait Variant: Send + Sync + 'static {
 /// No fault.
 #[derive(Debug)]
 pub enum Correct {}
-
-/// A heap whatever k(p), so that small instances reach it.
-#[derive(Debug)]
-pub enum Heap {}
 
 /// Shares are rounded to the nearest.
 #[derive(Debug)]
@@ -201,15 +196,6 @@ const CONTRACT: Contract = Contract {
 
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
-}
-
-impl Variant for Heap {
-    const CONTRACT: Contract = Contract {
-        name: "k-variable@heap",
-        title: "k+-buffer with k by importance, a heap in every full pixel",
-        ..CONTRACT
-    };
-    const ARRAY_UP_TO: u32 = 0;
 }
 
 /// What faults here have in common: the accounting compares lists.
@@ -345,7 +331,7 @@ impl<V: Variant> Scheme for KVariable<V> {
         }
         let (first, crowded) = self.ranges.placed::<_, Self>(mem, pixel).await;
         let slots = OfFrame { depth: self.depth, data: self.data, first };
-        let heap = crowded && k > V::ARRAY_UP_TO;
+        let heap = crowded && k > ARRAY_UP_TO;
         let counter = self.counter.at(pixel, 0);
         let row = Row { slots, k, heap, lock: self.lock, counter };
         locked_row::insert::<_, _, Self>(mem, row, fragment).await

@@ -34,11 +34,11 @@ pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
             range: Range::Count(1, 64),
             about: "of panes, front to back",
         },
-        Key { name: "plants", default: "44", range: Range::Count(0, 4096), about: "in every bay" },
+        Key { name: "plants", default: "60", range: Range::Count(0, 4096), about: "in every bay" },
         Key { name: "stems", default: "9", range: Range::Count(1, 256), about: "of a plant" },
         Key {
             name: "leaf",
-            default: "0.16",
+            default: "0.18",
             range: Range::Real(1e-3, 1.0),
             about: "length of a leaf",
         },

@@ -110,7 +110,7 @@ fn add(
     let (c, s) = turned(random.range(0.0, TAU));
     let out = across * c + along.cross(across) * s;
     let heading = (out + along * 0.6).normalize();
-    let wide = along.cross(out) * (0.045 * length);
+    let wide = along.cross(out) * (0.032 * length);
     let kind = if part > 0.85 { 2 } else { random.below(2) as usize };
     let mesh = &mut meshes[kind];
     let first = mesh.positions.len() as u32;

@@ -19,10 +19,10 @@ pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
     about: "a rising puff of faint discs, 2 high",
     in_pixels: false,
     keys: &[
-        Key { name: "discs", default: "110", range: Range::Count(1, 1_000_000), about: "of smoke" },
+        Key { name: "discs", default: "88", range: Range::Count(1, 1_000_000), about: "of smoke" },
         Key {
             name: "radius",
-            default: "0.3",
+            default: "0.32",
             range: Range::Real(1e-4, 2.0),
             about: "of a large disc",
         },
