@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::flags::Output;
+use crate::cli::options::importance::culling;
 use crate::cli::options::values;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
@@ -52,9 +53,13 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
     repeats: u32,
 
+    /// Also time each method with culling before it, alternating: occupancy:D, as of `fragloom render`
+    #[arg(long, value_name = "occupancy[:D]")]
+    cull: Option<String>,
+
     /// Also time the same scheme on every device, alternating with it
     #[cfg(feature = "gpu")]
-    #[arg(long)]
+    #[arg(long, conflicts_with = "cull")]
     gpu: bool,
 
     /// With `--gpu`, only adapters whose name or driver contains this [default: all]
@@ -92,6 +97,12 @@ struct Timing {
     ratio_spread: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     unsupported: Option<String>,
+    /// Intervals of the culling passes, if there are any: the seconds of `culling` are theirs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cull_intervals: Option<u32>,
+    /// Time with culling over time without, median of alternating runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cull_ratio: Option<f64>,
 }
 
 /// Time everything; print a row for each.
@@ -154,15 +165,25 @@ fn options(args: &Args, method: Method, exec: Exec, sub_pixel_bits: u32) -> Opti
 }
 
 fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Timing>> {
-    [Exec::Tile, Exec::Threads]
-        .into_iter()
-        .map(|exec| {
-            let options = options(args, method, exec, 8);
-            let runs: Vec<TimedFrame> =
-                (0..args.repeats).map(|_| once(scene, &options)).collect::<Result<_>>()?;
-            Ok(row(&runs))
-        })
-        .collect()
+    let words = args.cull.as_deref().map(culling).transpose()?;
+    let mut rows = Vec::new();
+    for exec in [Exec::Tile, Exec::Threads] {
+        let plain = options(args, method, exec, 8);
+        let culled = words.map(|words| Options { cull: Some(words), ..plain.clone() });
+        let (mut without, mut with) = (Vec::new(), Vec::new());
+        for _ in 0..args.repeats {
+            without.push(once(scene, &plain)?);
+            with.extend(culled.as_ref().map(|options| once(scene, options)).transpose()?);
+        }
+        rows.push(row(&without));
+        if let Some(words) = words {
+            let ratio = |(with, without): (&TimedFrame, &TimedFrame)| with.frame / without.frame;
+            let ratios = with.iter().zip(&without).map(ratio).collect();
+            let cull_ratio = Some(median(ratios));
+            rows.push(Timing { cull_intervals: Some(32 * words), cull_ratio, ..row(&with) });
+        }
+    }
+    Ok(rows)
 }
 
 /// A frame: what drew it, and its times.
@@ -175,7 +196,8 @@ struct TimedFrame {
 
 fn once(scene: &Scene, options: &Options) -> Result<TimedFrame> {
     let report = render(scene, options)?.report;
-    let frame = report.seconds.get("draw").copied().unwrap_or_default();
+    let of = |phase: &str| report.seconds.get(phase).copied().unwrap_or_default();
+    let frame = of("draw") + of("culling");
     let row = Timing {
         method: report.method,
         scene: report.scene,
@@ -221,6 +243,7 @@ fn table(rows: &[Timing]) -> String {
         "adapter s",
         "ratio",
         "spread",
+        "culling",
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     lines.extend(rows.iter().map(|row| {
@@ -243,10 +266,21 @@ fn table(rows: &[Timing]) -> String {
             number(row.gpu_seconds, 4),
             number(row.ratio, 2),
             spread,
+            culled(row),
         ]
     }));
-    let align = [Left, Left, Left, Right, Right, Right, Left, Right, Right, Left];
+    let align = [Left, Left, Left, Right, Right, Right, Left, Right, Right, Left, Left];
     columns(&align, &lines)
+}
+
+/// What culling does to the time.
+fn culled(row: &Timing) -> String {
+    let (Some(intervals), Some(ratio)) = (row.cull_intervals, row.cull_ratio) else {
+        return String::new();
+    };
+    let passes = row.seconds.get("culling").copied().unwrap_or_default();
+    let verdict = if ratio > 1.0 { "costs more than it saves" } else { "saves" };
+    format!("{intervals} intervals, {passes:.4} s: {ratio:.2} times as long, {verdict}")
 }
 
 #[cfg(feature = "gpu")]

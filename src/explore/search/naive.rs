@@ -183,9 +183,17 @@ mod tests {
         }
         println!("{all} executions");
         assert!(all > 100_000, "{all}");
-        let large =
-            ["kplus-sb", "kplus-sb@heap", "kplus-sb@published", "depth-peel-bucket", "kplus-multi"];
-        assert_eq!(left_out, if most.is_some() { vec![] } else { large.to_vec() });
+        // Even the smallest instance of three passes over pixels has too many.
+        let endless = ["k-variable"];
+        let large = [
+            "kplus-sb",
+            "kplus-sb@heap",
+            "kplus-sb@published",
+            "k-variable",
+            "depth-peel-bucket",
+            "kplus-multi",
+        ];
+        assert_eq!(left_out, if most.is_some() { &endless[..] } else { &large[..] });
     }
 
     #[test]
