@@ -46,7 +46,7 @@ pub struct Promise<'a> {
 
 impl<'a> Promise<'a> {
     /// For a method with an instance (all but the oracle): the words of its inputs, and how many of each pixel's
-    /// nearest fragments it must keep ([`Contract::bound`]).
+    /// nearest fragments it must keep ([`bound`]).
     #[must_use]
     pub fn new(
         method: Method,
