@@ -53,7 +53,8 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
     repeats: u32,
 
-    /// Also time each method with culling before it, alternating: occupancy:D, as of `fragloom render`
+    /// Also time each method with culling before it, alternating: occupancy:D, as of `fragloom render` [default: no
+    /// culling]
     #[arg(long, value_name = "occupancy[:D]")]
     cull: Option<String>,
 

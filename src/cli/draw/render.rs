@@ -11,9 +11,10 @@ use crate::cli::options::settings::{Settings, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::image::png;
-use crate::render::{Rendering, render};
+use crate::render::{Importance, Options, Rendering, render};
 use crate::report::{files, json, npz, table};
 use crate::scene;
+use crate::scheme::contract::Demand;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -62,6 +63,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     let method = catalogue.find("-m", &args.method)?;
     let mut settings = complete(&args.drawing, method, args.record.is_some())?;
     args.effects.complete(args.drawing.data, &mut settings.options)?;
+    settings.warnings.extend(idle(&settings.options));
     check_outputs(args)?;
     let single: Vec<&str> = outputs(args)
         .into_iter()
@@ -85,6 +87,14 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     rendering.report.violations.iter().for_each(|violation| say::violation(violation));
     let clean = rendering.report.violations.is_empty();
     Ok(if clean { Verdict::Clean } else { Verdict::Found })
+}
+
+/// What divides records by importance does nothing for a method that does not.
+fn idle(options: &Options) -> Option<String> {
+    let given = options.k_average.is_some() || options.importance != Importance::default();
+    let divides = options.method.contract().demand == Demand::Records;
+    let what = "--k-average and what is said of importance have no effect with";
+    (given && !divides).then(|| format!("{what} {}", options.method))
 }
 
 fn draw(args: &Args, settings: Settings) -> Result<Rendering> {

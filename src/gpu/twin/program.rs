@@ -17,6 +17,7 @@ use crate::raster::Record;
 use crate::scheme::Config;
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
+use crate::scheme::culling::occupancy::MOST_WORDS;
 use crate::scheme::program::PassKind;
 
 /// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
@@ -135,7 +136,7 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
         .with_room("RECORDS", config.records)
         .with("ALPHA", config.weighting.alpha.into())
         .with("LAYERS", config.weighting.limit.into())
-        .with("MASK_WORDS", config.mask_words.max(1).into())
+        .with("MASK_WORDS", config.mask_words.clamp(1, MOST_WORDS).into())
         .with("BLOCKS", blocks)
         .with("GROUPS", blocks.div_ceil(64))
         .with("TABLE_WIDTH", table.size[0].max(1).into())
