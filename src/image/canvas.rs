@@ -3,12 +3,21 @@
 
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
+use embedded_graphics::mono_font::iso_8859_1::{FONT_8X13, FONT_9X18_BOLD};
 use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::text::{Baseline, Text};
 use embedded_graphics::{Drawable, Pixel};
 
 use super::Image;
+
+/// Colours and fonts of everything that is composed.
+pub(super) const PAPER: [u8; 3] = [250, 250, 248];
+pub(super) const INK: [u8; 3] = [28, 28, 32];
+pub(super) const QUIET: [u8; 3] = [96, 96, 104];
+pub(super) const FRAME: [u8; 3] = [150, 150, 156];
+pub(super) const TITLE: MonoFont<'_> = FONT_9X18_BOLD;
+pub(super) const BODY: MonoFont<'_> = FONT_8X13;
 
 /// An opaque image that can be drawn on; everything outside is cut off.
 pub(super) struct Canvas {

@@ -1,17 +1,7 @@
 //! A map of one number a pixel, in colours, with a scale.
 
-use embedded_graphics::mono_font::MonoFont;
-use embedded_graphics::mono_font::iso_8859_1::{FONT_8X13, FONT_9X18_BOLD};
-
-use super::canvas::Canvas;
+use super::canvas::{BODY, Canvas, FRAME, INK, PAPER, QUIET, TITLE};
 use super::{Image, ramp};
-
-const PAPER: [u8; 3] = [250, 250, 248];
-const INK: [u8; 3] = [28, 28, 32];
-const QUIET: [u8; 3] = [96, 96, 104];
-const FRAME: [u8; 3] = [150, 150, 156];
-const TITLE: MonoFont<'_> = FONT_9X18_BOLD;
-const BODY: MonoFont<'_> = FONT_8X13;
 
 /// Maps narrower than this, in pixels, are enlarged.
 const NARROW: u32 = 400;

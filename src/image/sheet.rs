@@ -5,9 +5,8 @@
 //! visible.
 
 use embedded_graphics::mono_font::MonoFont;
-use embedded_graphics::mono_font::iso_8859_1::{FONT_8X13, FONT_9X18_BOLD};
 
-use super::canvas::Canvas;
+use super::canvas::{BODY, Canvas, FRAME, INK, PAPER, QUIET, TITLE};
 use super::{Image, difference, ramp};
 use crate::error::Result;
 
@@ -21,13 +20,6 @@ pub struct Labels {
     /// Above the left, middle and right panel.
     pub captions: [String; 3],
 }
-
-const PAPER: [u8; 3] = [250, 250, 248];
-const INK: [u8; 3] = [28, 28, 32];
-const QUIET: [u8; 3] = [96, 96, 104];
-const FRAME: [u8; 3] = [150, 150, 156];
-const TITLE: MonoFont<'_> = FONT_9X18_BOLD;
-const BODY: MonoFont<'_> = FONT_8X13;
 
 /// Panels are at least this wide, in pixels, and enlarged up to about twice that.
 const PANEL: u32 = 264;

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Executed, Options, execute, held_to};
+use super::{Executed, Options, Report, execute};
 use crate::catalogue;
 use crate::error::{Error, Result};
 use crate::exec::frame::Column;
-use crate::exec::{Job, Method};
+use crate::exec::{Job, Method, Tally};
+use crate::memory::Inputs;
 use crate::raster::FrontEnd;
 use crate::render::{Exec, Policy, Sim};
 use crate::resolve::sort::Sort;
-use crate::scene::Scene;
 use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::course::Course;
@@ -98,7 +98,6 @@ pub(super) fn bytes(options: &Options, pixels: u64) -> u64 {
 
 /// Run the passes for a method that is held to `nearest`, if the options ask for them.
 pub(super) fn draw(
-    scene: &Scene,
     options: &Options,
     front: &FrontEnd,
     nearest: &Bound,
@@ -112,7 +111,7 @@ pub(super) fn draw(
     let config = Config { k, pixels, mask_words: words, grid, ..Config::default() };
     let Some(instance) = method.instance(&config) else { return Ok(None) };
     let options = passes(options, method);
-    let (mut inputs, _) = held_to(Some(&*instance), scene, &options, front, k)?;
+    let mut inputs = Inputs::defaults(instance.layout());
     if let Bound::PerPixel(ks) = nearest
         && let Some(input) = instance.layout().inputs().iter().position(|i| i.name == K)
     {
@@ -166,7 +165,6 @@ fn passes(options: &Options, method: Method) -> Options {
         exec,
         depth_format: Some(options.record().depth),
         data: options.record().data,
-        inputs: Vec::new(),
         ..options.clone()
     }
 }
@@ -207,6 +205,28 @@ fn report(
 }
 
 /// Whether no pixel can have a bound: there are no more intervals than fragments to be kept.
-pub(super) fn is_idle(words: u32, nearest: &Bound) -> bool {
+fn is_idle(words: u32, nearest: &Bound) -> bool {
     uniform(nearest).is_some_and(|k| 32 * u64::from(words) <= u64::from(k))
+}
+
+impl CullingReport {
+    /// Complete it by what was rejected, and add it to the frame's.
+    pub(super) fn add_to(
+        mut self,
+        report: &mut Report,
+        tally: &Tally,
+        options: &Options,
+        nearest: &Bound,
+    ) {
+        self.rejected_before = tally.rejected;
+        self.rejected_inside = tally.culled.saturating_sub(tally.rejected);
+        report.bytes += self.bytes;
+        if is_idle(options.cull.unwrap_or(DEFAULT_WORDS), nearest) {
+            report.warnings.push(format!(
+                "--cull: {} intervals cannot tell more fragments apart than are kept: nothing is culled",
+                self.intervals
+            ));
+        }
+        report.culling = Some(self);
+    }
 }

@@ -1,6 +1,7 @@
 //! One frame from beginning to end: a scene and options in; an image, the kept fragments and a report out.
 
 mod budget;
+mod configure;
 mod culling;
 mod effects;
 mod frames;
@@ -18,18 +19,16 @@ use crate::effect::{Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
-use crate::exec::{self, Frame, Instance, Job, Tally, promise};
+use crate::exec::{self, Frame, Instance, Job, Tally};
 use crate::image::Image;
-use crate::memory::{Counters, Inputs};
+use crate::memory::Counters;
 use crate::num::color::word16;
 use crate::raster::{Attenuation, FrontEnd, Grid};
 use crate::resolve::digest::kept_hash;
 use crate::scene::Scene;
-use crate::scheme::bound::Bound;
+use crate::scheme::HeldKind;
 use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::course::Course;
-use crate::scheme::kplus_buffer::k_variable::MOST_RECORDS;
-use crate::scheme::{Config, HeldKind};
 
 pub use crate::effect::Effect;
 pub use crate::exec::sim::Checked;
@@ -38,6 +37,8 @@ pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash_table::table::Offsets;
+use configure::{HeldTo, configure, held_to};
+
 pub use budget::{Budget, storage_bytes};
 pub use culling::{CullingReport, DEFAULT_WORDS, keeps_nearest};
 pub use frames::{AnimatedFrame, Animation, MAX_FRAMES, Resize, animate};
@@ -134,9 +135,10 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         configure(&front, options, options.k.or(contract.default_k))?;
     let k = config.k;
     let instance = method.instance(&config);
-    let (inputs, nearest) = held_to(instance.as_deref(), scene, options, &front, k)?;
+    let HeldTo { inputs, nearest, counts } =
+        held_to(instance.as_deref(), scene, options, &front, k)?;
     watch.lap("count");
-    let culled = culling::draw(scene, options, &front, &nearest, threads)?;
+    let culled = culling::draw(options, &front, &nearest, threads)?;
     let (bounds, culling) = culled.map(|c| (c.bounds, c.report)).unzip();
     if culling.is_some() {
         watch.lap("culling");
@@ -180,9 +182,14 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         Keeps::NearestChosen => None,
         _ => k,
     };
-    let shares = divided(options, &job, config.records, &mut report);
-    report.culling = culling;
-    culled_at(options, &job, &executed.frame.tally, &mut report);
+    let shares = counts.map(|counts| {
+        let (shares, divided) = Shares::of(options, &job, config.records, &counts);
+        divided.add_to(&mut report, options, &shares);
+        shares
+    });
+    if let Some(culling) = culling {
+        culling.add_to(&mut report, &executed.frame.tally, options, &job.nearest);
+    }
     report.threads = threads;
     report.image_hash = image.hash();
     report.fragments_hash = kept_hash(&kept);
@@ -192,145 +199,6 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
     Ok(Rendering { image, kept, surfaces, voxels, shares, report, schedule, watched })
-}
-
-/// What the method must know of the scene, measured only if needed; the fragments before each tile, and in total; and
-/// what a memory budget chose.
-fn configure(
-    front: &FrontEnd,
-    options: &Options,
-    k: Option<u32>,
-) -> Result<(Config, Vec<u64>, Option<Budget>)> {
-    let (method, contract) = (options.method, options.method.contract());
-    let grid = front.grid;
-    let pixels = u64::from(grid.width) * u64::from(grid.height);
-    let base = Config {
-        k,
-        pixels: grid.storage_pixels() as u32,
-        weighting: options.importance.weighting(),
-        mask_words: options.cull.unwrap_or(culling::DEFAULT_WORDS),
-        grid,
-        ..Config::default()
-    };
-    let (mut config, mut before_tile, mut chosen) = (base, Vec::new(), None);
-    match contract.demand {
-        Demand::Generated => {
-            before_tile = front.count_fragments();
-            for count in &mut before_tile {
-                let before = config.generated;
-                config.generated += *count;
-                *count = before;
-            }
-            before_tile.push(config.generated);
-        }
-        Demand::MaxDepthComplexity if k.is_none() || contract.keeps == Keeps::Nearest => {
-            config.max_depth_complexity = front.max_depth_complexity();
-        }
-        Demand::Bounded => config = budget::Scene::new(front, method, base).config(k),
-        Demand::Records => config.records = records(options, k, pixels)?,
-        Demand::MaxDepthComplexity | Demand::Nothing => {}
-    }
-    if let Some(bytes) = options.memory_budget {
-        // The culling passes' words count, too.
-        let culling = culling::bytes(options, u64::from(base.pixels));
-        let left = bytes.checked_sub(culling).filter(|left| *left > 0).ok_or_else(|| {
-            let problem = format!("{bytes} bytes: culling alone needs {culling} at this size");
-            Error::new("--memory-budget", problem)
-        })?;
-        let scene = budget::Scene::new(front, method, base);
-        let (within, budget) = scene.within(left, options.k)?;
-        (config, chosen) = (within, Some(Budget { bytes, ..budget }));
-    }
-    if contract.crosses() {
-        config.table = options.table.settings(config.generated, [grid.width, grid.height])?;
-    }
-    Ok((config, before_tile, chosen))
-}
-
-/// The records that a method may divide among so many pixels.
-fn records(options: &Options, k: Option<u32>, pixels: u64) -> Result<u64> {
-    let average = options.k_average.unwrap_or(f64::from(k.unwrap_or(8)));
-    let records = (average * pixels as f64) as u64;
-    if records > MOST_RECORDS {
-        let option = if options.k_average.is_some() { "--k-average" } else { "-k" };
-        let problem = format!("gives {pixels} pixels {records} records, at most {MOST_RECORDS}");
-        return Err(Error::new(option, problem));
-    }
-    Ok(records)
-}
-
-/// The words of a method's inputs, and how many of each pixel's nearest fragments it must keep.
-fn held_to(
-    instance: Option<&dyn Instance>,
-    scene: &Scene,
-    options: &Options,
-    front: &FrontEnd,
-    k: Option<u32>,
-) -> Result<(Inputs, Bound)> {
-    let contract = options.method.contract();
-    let Some(instance) = instance else {
-        return Ok((Inputs::default(), Bound::of(contract.reference_k(k))));
-    };
-    let grid = &front.grid;
-    let mut given = Vec::new();
-    if contract.demand == Demand::Records {
-        options.importance.check_for(scene.size)?;
-        // What the caller gives comes last, and counts.
-        given.extend(options.importance.inputs(scene.size));
-    }
-    given.extend(options.inputs.iter().cloned());
-    let inputs = inputs::fill(&given, options.method, instance.layout(), scene, grid)?;
-    let pixels = grid.storage_pixels() as u32;
-    let counts = || front.counts();
-    let bound = promise::bound(options.method, Some(instance), k, &inputs, pixels, counts);
-    Ok((inputs, bound))
-}
-
-/// How a method divided its records, for its report and for pictures.
-fn divided(options: &Options, job: &Job<'_>, records: u64, report: &mut Report) -> Option<Shares> {
-    let (Keeps::NearestChosen, Bound::PerPixel(ks)) = (job.contract.keeps, &job.nearest) else {
-        return None;
-    };
-    let counts = job.front.counts();
-    if let Some(budget) = &mut report.budget {
-        let beyond = counts.iter().zip(ks).map(|(n, k)| u64::from(n.saturating_sub(*k)));
-        budget.beyond = beyond.sum();
-    }
-    // The factor is the method's first input, the bias its second.
-    let [factor, bias] = [0, 1].map(|input| move |pixel| job.inputs.word(input, pixel));
-    let of = (&factor as &dyn Fn(u32) -> u32, &bias as &dyn Fn(u32) -> u32);
-    let grid = &job.front.grid;
-    let (shares, divided) = options.importance.outcome(grid, records, of, (ks, &counts));
-    let pixels = u64::from(grid.width) * u64::from(grid.height);
-    if records < pixels {
-        report.warnings.push(format!(
-            "{records} records for {pixels} pixels: most pixels of an even picture get none"
-        ));
-    }
-    if let Some([width, height]) = options.importance.map.as_ref().map(ImportanceMap::size)
-        && [width, height] != [grid.width, grid.height]
-    {
-        report.warnings.push(format!(
-            "the importance map has {width}x{height} pixels and the picture {}x{}: it is stretched",
-            grid.width, grid.height
-        ));
-    }
-    report.importance = Some(divided);
-    Some(shares)
-}
-
-/// How many fragments were rejected where.
-fn culled_at(options: &Options, job: &Job<'_>, tally: &Tally, report: &mut Report) {
-    let Some(culling) = &mut report.culling else { return };
-    culling.rejected_before = tally.rejected;
-    culling.rejected_inside = tally.culled.saturating_sub(tally.rejected);
-    report.bytes += culling.bytes;
-    if culling::is_idle(options.cull.unwrap_or(culling::DEFAULT_WORDS), &job.nearest) {
-        report.warnings.push(format!(
-            "--cull: {} intervals cannot tell more fragments apart than are kept: nothing is culled",
-            culling.intervals
-        ));
-    }
 }
 
 /// Everything that an interleaving and its result depend on, so that a schedule is not replayed on something else: the

@@ -1,6 +1,7 @@
 //! The exact answer: what a method must give for a scene, with its options.
 
-use super::{Options, configure, held_to, render};
+use super::configure::{HeldTo, configure, held_to};
+use super::{Options, render};
 use crate::error::Result;
 use crate::exec::promise::Promise;
 use crate::raster::{FrontEnd, Grid};
@@ -42,8 +43,8 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
     let (config, _, _) = configure(&front, options, k)?;
     let instance = options.method.instance(&config);
-    let (inputs, bound) = held_to(instance.as_deref(), scene, options, &front, k)?;
-    let promise = Promise::new(options.method, instance.as_deref(), &inputs, bound);
+    let HeldTo { inputs, nearest, .. } = held_to(instance.as_deref(), scene, options, &front, k)?;
+    let promise = Promise::new(options.method, instance.as_deref(), &inputs, nearest);
     let kept = kept(&all, &grid, options.method.holds(), &promise);
     Ok(Reference { all, kept })
 }

@@ -31,7 +31,7 @@ const FILES: &[(&str, &str)] = files! {
     "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
     "shared/sort" "shared/wide" "shared/word64"
-    "parts/list" "parts/lock" "parts/max_array" "parts/max_heap" "parts/ranges" "parts/table"
+    "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/ranges" "parts/table"
 };
 
 macro_rules! twins {

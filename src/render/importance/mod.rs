@@ -17,16 +17,17 @@
 
 mod fresnel;
 mod map;
+mod shares;
 
 use crate::error::{Error, Result};
 use crate::num::random;
-use crate::raster::Grid;
 use crate::scheme::kplus_buffer::k_variable::{BIAS, FACTOR, MOST_LAYERS, ONE, Weighting};
 
 use super::inputs::Given;
 
 pub use fresnel::fresnel;
 pub use map::ImportanceMap;
+pub use shares::{ImportanceReport, Shares};
 
 /// Stream of the noise.
 const NOISE: u64 = 0x1A11;
@@ -261,63 +262,6 @@ fn fixed(x: f64) -> u32 {
 /// The pixels of a picture, row by row.
 fn pixels([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
     (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
-}
-
-/// What a frame gave its pixels, row by row.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Shares {
-    /// The importance of every pixel, in units of 2^-16.
-    pub importance: Vec<u32>,
-    /// k of every pixel.
-    pub k: Vec<u32>,
-}
-
-/// A frame's importance and records, by the names that `--json` uses.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct ImportanceReport {
-    /// The factors that were multiplied, and noise.
-    pub factors: Vec<&'static str>,
-    /// Whether the Fresnel term had a frame before this one to be taken from; otherwise it is 1 everywhere.
-    pub fresnel_known: bool,
-    /// Records that were to be divided.
-    pub records: u64,
-    /// The sum of k over all pixels: never above that.
-    pub shared: u64,
-    /// The smallest k of a pixel with fragments.
-    pub smallest_k: u32,
-    /// The largest.
-    pub largest_k: u32,
-}
-
-impl Importance {
-    /// What a frame gave its pixels, and the report about it: from k and the number of fragments of every storage
-    /// pixel.
-    pub(super) fn outcome(
-        &self,
-        grid: &Grid,
-        records: u64,
-        (factor, bias): (&dyn Fn(u32) -> u32, &dyn Fn(u32) -> u32),
-        (k, counts): (&[u32], &[u32]),
-    ) -> (Shares, ImportanceReport) {
-        let weighting = self.weighting();
-        let mut shares = Shares::default();
-        for (x, y) in pixels([grid.width, grid.height]) {
-            let pixel = grid.pixel(x, y);
-            let count = counts[pixel as usize];
-            shares.importance.push(weighting.weight(factor(pixel), bias(pixel), count));
-            shares.k.push(k[pixel as usize]);
-        }
-        let filled = || k.iter().zip(counts).filter(|(_, count)| **count > 0).map(|(&k, _)| k);
-        let report = ImportanceReport {
-            factors: self.factors.names(),
-            fresnel_known: self.factors.fresnel && self.fresnel.is_some(),
-            records,
-            shared: k.iter().map(|&k| u64::from(k)).sum(),
-            smallest_k: filled().min().unwrap_or(0),
-            largest_k: filled().max().unwrap_or(0),
-        };
-        (shares, report)
-    }
 }
 
 #[cfg(test)]

@@ -26,6 +26,8 @@
 //!
 //! Ranges have at most 2^31 - 1 records, since a start and a flag share a word ([`Ranges`]).
 
+pub mod faults;
+
 use std::marker::PhantomData;
 
 use super::kplus_sb::ARRAY_UP_TO;
@@ -34,7 +36,7 @@ use crate::memory::{
     Atomic, Declared, Global, Input, Inputs, Layout, Memory, Order, Per, Pixel, Plain, Snapshot,
     Words,
 };
-use crate::scheme::contract::{Accounting, Demand, Keeps};
+use crate::scheme::contract::{Demand, Keeps};
 use crate::scheme::parts::lock::{self, SpinLock};
 use crate::scheme::parts::locked_row::{self, Row};
 use crate::scheme::parts::ranges::{self, Ranges};
@@ -56,6 +58,11 @@ pub const FACTOR: &str = "importance";
 
 /// The input with what is added at last, two's complement, at most [`ONE`] either way, per pixel.
 pub const BIAS: &str = "importance-bias";
+
+/// Their numbers among the method's inputs.
+pub const FACTOR_INPUT: usize = 0;
+/// See [`FACTOR_INPUT`].
+pub const BIAS_INPUT: usize = 1;
 
 /// Blocks of a group.
 const RADIX: u64 = 64;
@@ -83,19 +90,6 @@ const PASSES: &[Pass] = &[
     SUMS[0],
     SUMS[1],
     SHARE_PASS,
-    SUMS[0],
-    SUMS[1],
-    PLACE_PASS,
-    Pass::store(Barrier::Pixel),
-];
-
-/// The shares are computed while the sum is.
-const WITHOUT_BARRIER: &[Pass] = &[
-    COUNT_PASS,
-    IMPORTANCE_PASS,
-    SUMS[0],
-    SUMS[1],
-    Pass::new("k", PassKind::Screen, Barrier::Missing),
     SUMS[0],
     SUMS[1],
     PLACE_PASS,
@@ -163,22 +157,6 @@ pub trait Variant: Send + Sync + 'static {
 #[derive(Debug)]
 pub enum Correct {}
 
-/// Shares are rounded to the nearest.
-#[derive(Debug)]
-pub enum Rounded {}
-
-/// Shares are quotients of floats over a rounded sum.
-#[derive(Debug)]
-pub enum FloatQuotient {}
-
-/// k(p) is computed before all importances are added up.
-#[derive(Debug)]
-pub enum NoBarrier {}
-
-/// The last frame's counts are used.
-#[derive(Debug)]
-pub enum StaleCount {}
-
 const CONTRACT: Contract = Contract {
     title: "k+-buffer with k by importance: array or heap per pixel, in one budget",
     section: "3, equations 1 to 6",
@@ -196,39 +174,6 @@ const CONTRACT: Contract = Contract {
 
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
-}
-
-/// What faults here have in common: the accounting compares lists.
-const fn fault(name: &'static str, title: &'static str) -> Contract {
-    Contract {
-        accounting: Accounting::Judged,
-        ..CONTRACT.fault(name, title, "where shares happen to fit")
-    }
-}
-
-impl Variant for Rounded {
-    const CONTRACT: Contract =
-        fault("k-variable@rounded", "Fault rounded: k(p) is rounded to the nearest");
-    const QUOTIENT: Quotient = Quotient::Nearest;
-}
-
-impl Variant for FloatQuotient {
-    const CONTRACT: Contract =
-        fault("k-variable@float-quotient", "Fault float-quotient: floats over a rounded sum");
-    const QUOTIENT: Quotient = Quotient::Float;
-}
-
-impl Variant for NoBarrier {
-    const CONTRACT: Contract = Contract {
-        program: Program::of(WITHOUT_BARRIER),
-        ..fault("k-variable@M17", "Fault M17: no barrier before shares are computed")
-    };
-}
-
-impl Variant for StaleCount {
-    const CONTRACT: Contract =
-        fault("k-variable@stale-count", "Fault stale-count: the count of the frame before");
-    const COUNTS: bool = false;
 }
 
 /// The method.

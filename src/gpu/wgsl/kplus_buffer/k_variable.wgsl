@@ -9,13 +9,8 @@
 //# include shared/fragment
 //# include shared/wide
 //# include parts/lock
-//# include parts/ranges
-//# include parts/max_array
-//# include parts/max_heap
+//# include parts/locked_row
 //# include shared/emit
-
-// Up to this k, an array is faster than a heap.
-const ARRAY_UP_TO: u32 = 16u;
 
 // An importance of 1.
 const ONE: u32 = 65536u;
@@ -49,16 +44,6 @@ struct Frame {
 // The sum of all importances.
 @group(0) @binding(3) var<storage, read_write> total: array<Wide>;
 @group(0) @binding(5) var<storage, read> inputs: array<u32>;
-
-// Record i of the range that begins at `first`.
-fn entry(first: u32, i: u32) -> Key {
-    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
-}
-
-fn put(first: u32, i: u32, key: Key) {
-    memory.data[first + i] = key.x;
-    atomicStore(&memory.depth[first + i], key.y);
-}
 
 fn clear_frame() {
     clear_sums();
@@ -151,37 +136,6 @@ fn frame(number: u32, index: u32) {
     } else {
         sum_groups();
     }
-}
-
-fn append(range: Range, k: u32, count: u32, key: Key) {
-    if range.flag && k > ARRAY_UP_TO {
-        heap_append(range.start, count, key);
-    } else {
-        array_append(range.start, count, key);
-    }
-}
-
-fn replace(range: Range, k: u32, key: Key) {
-    if range.flag && k > ARRAY_UP_TO {
-        heap_replace(range.start, k, key);
-    } else {
-        array_replace(range.start, k, key);
-    }
-}
-
-// Under the lock.
-fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
-    let count = atomicLoad(&pixels[pixel].counter);
-    if count < k {
-        append(range, k, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
-        return KEPT;
-    }
-    if !is_less(key, entry(range.start, 0u)) {
-        return CULLED;
-    }
-    replace(range, k, key);
-    return EVICTED;
 }
 
 fn store(fragment: Fragment) -> u32 {

@@ -9,13 +9,8 @@
 
 //# include shared/fragment
 //# include parts/lock
-//# include parts/ranges
-//# include parts/max_array
-//# include parts/max_heap
+//# include parts/locked_row
 //# include shared/emit
-
-// Up to this k, an array is faster than a heap.
-const ARRAY_UP_TO: u32 = 16u;
 
 // A compare-exchange fails because another invocation counted, which changes the counter. If the counter did not
 // change, it failed spuriously, as WGSL allows, or this lane is a helper of a quad, whose atomics do nothing. That may
@@ -37,16 +32,6 @@ struct Frame {
 
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
 @group(0) @binding(2) var<storage, read_write> memory: Frame;
-
-// Record i of the range that begins at `first`.
-fn entry(first: u32, i: u32) -> Key {
-    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
-}
-
-fn put(first: u32, i: u32, key: Key) {
-    memory.data[first + i] = key.x;
-    atomicStore(&memory.depth[first + i], key.y);
-}
 
 fn clear_frame() {
     clear_sums();
@@ -87,37 +72,6 @@ fn frame(number: u32, index: u32) {
     sum_up(number, index);
 }
 
-fn append(range: Range, count: u32, key: Key) {
-    if range.flag && K > ARRAY_UP_TO {
-        heap_append(range.start, count, key);
-    } else {
-        array_append(range.start, count, key);
-    }
-}
-
-fn replace(range: Range, key: Key) {
-    if range.flag && K > ARRAY_UP_TO {
-        heap_replace(range.start, K, key);
-    } else {
-        array_replace(range.start, K, key);
-    }
-}
-
-// Under the lock.
-fn insert(pixel: u32, range: Range, key: Key) -> u32 {
-    let count = atomicLoad(&pixels[pixel].counter);
-    if count < K {
-        append(range, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
-        return KEPT;
-    }
-    if !is_less(key, entry(range.start, 0u)) {
-        return CULLED;
-    }
-    replace(range, key);
-    return EVICTED;
-}
-
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     let range = range_of(pixel);
@@ -127,7 +81,7 @@ fn store(fragment: Fragment) -> u32 {
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
         if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
-            outcome = insert(pixel, range, key_of(fragment));
+            outcome = insert(pixel, range, K, key_of(fragment));
             atomicStore(&pixels[pixel].lock, FREE);
         }
     }

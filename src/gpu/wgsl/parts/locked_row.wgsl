@@ -1,0 +1,53 @@
+// A bounded row of records behind a pixel's lock, for methods that give each pixel a row of its own length: a max-array,
+// or a max-heap for more than ARRAY_UP_TO records where the range's flag says that there are more fragments.
+//
+// The method declares the words: an atomic `counter` of each of `pixels`, and in `memory` the frame's atomic `depth` and
+// plain `data`.
+
+//# include parts/ranges
+//# include parts/max_array
+//# include parts/max_heap
+
+// Up to this k, an array is faster than a heap.
+const ARRAY_UP_TO: u32 = 16u;
+
+// Record i of the range that begins at `first`.
+fn entry(first: u32, i: u32) -> Key {
+    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
+}
+
+fn put(first: u32, i: u32, key: Key) {
+    memory.data[first + i] = key.x;
+    atomicStore(&memory.depth[first + i], key.y);
+}
+
+fn append(range: Range, k: u32, count: u32, key: Key) {
+    if range.flag && k > ARRAY_UP_TO {
+        heap_append(range.start, count, key);
+    } else {
+        array_append(range.start, count, key);
+    }
+}
+
+fn replace(range: Range, k: u32, key: Key) {
+    if range.flag && k > ARRAY_UP_TO {
+        heap_replace(range.start, k, key);
+    } else {
+        array_replace(range.start, k, key);
+    }
+}
+
+// Under the lock.
+fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < k {
+        append(range, k, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(range.start, 0u)) {
+        return CULLED;
+    }
+    replace(range, k, key);
+    return EVICTED;
+}
