@@ -60,7 +60,7 @@ fn fragments() -> Vec<Fragment> {
     for _ in 0..LAYERS {
         let layer = (0..PIXELS).map(|pixel| {
             let depth = random.below(1 << 31) as u32;
-            Fragment { pixel, depth, data: random.bits() as u32, rank: 0 }
+            Fragment { pixel, depth, data: random.bits() as u32, extra: 0 }
         });
         all.extend(layer);
     }

@@ -93,8 +93,9 @@ impl Scheme for MergeTwo {
         *records = merged(&keys);
     }
 
-    fn expected(&self, _: &Inputs, _: u32, generated: &[u64]) -> Option<Records> {
-        Some(merged(generated))
+    fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
+        let keys: Vec<u64> = generated.iter().map(|fragment| fragment.key()).collect();
+        Some(merged(&keys))
     }
 }
 

@@ -11,9 +11,8 @@ pub struct Fragment {
     pub depth: u32,
     /// RGBA8 with R in the low byte, or the global triangle index, as the run says.
     pub data: u32,
-    /// How many fragments of its pixel come before it in API order: the order of the interlock. 0 if the method needs
-    /// no interlock.
-    pub rank: u32,
+    /// A third word, as the method's contract says (`Contract::extra`): its rank, the near end of its slab, or 0.
+    pub extra: u32,
 }
 
 impl Fragment {
@@ -22,6 +21,12 @@ impl Fragment {
     #[must_use]
     pub fn key(self) -> u64 {
         key(self.depth, self.data)
+    }
+
+    /// One that is not stored yet, by its key alone.
+    #[must_use]
+    pub fn of_key(key: u64) -> Self {
+        Self { depth: depth_of(key), data: data_of(key), ..Self::default() }
     }
 }
 

@@ -181,7 +181,7 @@ impl Case {
             pixel: self.config.grid.pixel(x, y),
             depth,
             data,
-            rank: 0,
+            extra: 0,
         };
         self.fragments.iter().map(fragment).collect()
     }

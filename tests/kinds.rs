@@ -12,7 +12,7 @@ use fragloom::explore::replay::replay_of;
 use fragloom::explore::sample::{Executions, replay_scene};
 use fragloom::explore::{Limits, Plan, Profile, Progress, Subject, Token, Verdict, check};
 use fragloom::explore::{MemoryModel, properties};
-use fragloom::fragment::{data_of, depth_of};
+use fragloom::fragment::{Fragment, data_of, depth_of};
 use fragloom::memory::{Atomic, Pixel, Words};
 use fragloom::memory::{Declared, Input, Inputs, Layout, Memory, Order, Per};
 use fragloom::render::{Data, Effect, Exec, Given, Kept, Options, Policy, Sim, render};
@@ -129,7 +129,7 @@ impl Scheme for Counts {
         mem.store(self.count.at(pixel, 0), 0, Order::Relaxed).await;
     }
 
-    async fn store<M: Memory>(&self, mem: &M, fragment: fragloom::fragment::Fragment) -> Outcome {
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let shown = mem.input(self.shown.at(fragment.data));
         mem.add(self.count.at(fragment.pixel, 0), shown, Order::Relaxed).await;
         Outcome::Merged
@@ -140,8 +140,8 @@ impl Scheme for Counts {
         *light = Light { color: [f64::from(count) / 256.0; 3], ..Light::default() };
     }
 
-    fn expected(&self, inputs: &Inputs, _: u32, generated: &[u64]) -> Option<Light> {
-        let shown = |key: &u64| u64::from(inputs.get(self.shown.at(data_of(*key))));
+    fn expected(&self, inputs: &Inputs, _: u32, generated: &[Fragment]) -> Option<Light> {
+        let shown = |f: &Fragment| u64::from(inputs.get(self.shown.at(f.data)));
         let count: u64 = generated.iter().map(shown).sum();
         Some(Light { color: [count as f64 / 256.0; 3], ..Light::default() })
     }

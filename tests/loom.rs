@@ -63,7 +63,7 @@ fn explore(model: impl Fn() + Sync + Send + 'static) -> Result<usize, String> {
 const WRONG: &str = "wrong contents";
 
 fn fragments(depths: &[u32]) -> Vec<Fragment> {
-    (0..).zip(depths).map(|(data, &depth)| Fragment { pixel: 0, depth, data, rank: 0 }).collect()
+    (0..).zip(depths).map(|(data, &depth)| Fragment { pixel: 0, depth, data, extra: 0 }).collect()
 }
 
 /// One thread per group of fragments; all of one pixel. Afterwards it must hold the exact answer.

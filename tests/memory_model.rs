@@ -9,7 +9,7 @@ use fragloom::scheme::contract::{Dependence, Keeps};
 use std::collections::BTreeSet;
 
 use fragloom::explore::{
-    Conditions, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore,
+    Conditions, Entry, Limits, Litmus, MemoryModel, Profile, Property, Subject, explore,
 };
 use fragloom::fragment::{Fragment, data_of, depth_of, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Update, Words};
@@ -764,7 +764,7 @@ fn observe(number: usize, memory: MemoryModel) -> Observed {
         pixels: 1,
         k: Some(number as u32),
         room: threads,
-        fragments: (0..threads).map(|t| (0, t, t)).collect(),
+        fragments: (0..threads).map(|t| Entry(0, t, t, 0)).collect(),
         helpers: 0,
         table: None,
         inputs: Vec::new(),

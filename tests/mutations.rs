@@ -118,7 +118,7 @@ fn run(method: &str, config: &Config, fragments: &[(u32, u32)]) -> (Vec<Outcome>
     let mem = Exclusive::new(&pixel, &global, &inputs, &()).taking(Some(&next));
     scheme.clear(&mem, 0..1);
     let store =
-        |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, rank: 0 }));
+        |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, extra: 0 }));
     let outcomes = fragments.iter().map(store).collect();
     let mut held = Held::Keys(Keys::new());
     scheme.resolve(&mem, 0, &mut held);

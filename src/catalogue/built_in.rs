@@ -28,6 +28,8 @@ use crate::scheme::kplus_buffer::kplus_array_published::{KPlusArrayPublished, Or
 use crate::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
 use crate::scheme::kplus_buffer::kplus_sb::{self, KPlusSb};
+use crate::scheme::merging::dfb_merged::{self, DfbMerged, Overlapping, Smooth};
+use crate::scheme::merging::skb_ofm::{self, SkbOfm};
 use crate::scheme::peeling::depth_peel::{self, DepthPeel};
 use crate::scheme::peeling::depth_peel_bucket::BucketPeel;
 use crate::scheme::peeling::depth_peel_dual::{self, DualPeel};
@@ -87,6 +89,12 @@ catalogue! {
         HashCoherent,
         HashCoherent<hash_coherent::Published>,
         Occupancy,
+        DfbMerged<Smooth>,
+        DfbMerged<Smooth<dfb_merged::Released>>,
+        DfbMerged<Overlapping>,
+        SkbOfm,
+        SkbOfm<skb_ofm::Published>,
+        SkbOfm<skb_ofm::Released>,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -156,6 +164,16 @@ catalogue! {
         Occupancy<occupancy::NearEnd>,
         Occupancy<occupancy::OneTooNear>,
         Occupancy<occupancy::EndsEarly>,
+        DfbMerged<Smooth<dfb_merged::EightBits>>,
+        DfbMerged<Smooth<dfb_merged::Closed>>,
+        DfbMerged<Smooth<dfb_merged::FrontOnly>>,
+        DfbMerged<Smooth<dfb_merged::Squared>>,
+        DfbMerged<Smooth<dfb_merged::MixedTail>>,
+        SkbOfm<skb_ofm::TailOutside>,
+        SkbOfm<skb_ofm::NotEvicting>,
+        SkbOfm<skb_ofm::EightBits>,
+        SkbOfm<skb_ofm::FirstOnly>,
+        SkbOfm<skb_ofm::Closed>,
     }
 }
 

@@ -61,10 +61,10 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in("M8", "overflow drops by arrival", &["kplus-heap@M8"]),
     built_in("M9", "equal depth stops the insertion", &["kplus-array@M9", "kplus-heap@M9"]),
-    absent(
+    built_in(
         "M10",
         "the tail is blended outside the critical section, or without evicting",
-        "needs a tail: no such method yet",
+        &["skb+ofm@M10", "skb+ofm@M10-arrival"],
     ),
     built_in(
         "M11",
@@ -82,7 +82,7 @@ pub const MUTATIONS: &[Mutation] = &[
         "a bound test with <= for <",
         &["ab-array@M14", "ab-ll@M14", "s-buffer@M14", "ab-ll-paged@M14"],
     ),
-    absent("M15", "a merge quantised to 8 bits in mid-stream", "needs a merge: no such method yet"),
+    built_in("M15", "a merge quantised to 8 bits in mid-stream", &["dfb+sfm@M15", "skb+ofm@M15"]),
     built_in(
         "M16",
         "depth computed by two formulas in two passes",
@@ -201,6 +201,19 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     built_in("one-too-near", "a bound is one interval too near", &["occupancy@one-too-near"]),
     built_in("ends-early", "the walk over set bits ends one too early", &["occupancy@ends-early"]),
+    built_in(
+        "first-overlap",
+        "a slab is merged with the first record that it overlaps, and not with the others",
+        &["skb+ofm@first-overlap"],
+    ),
+    built_in("closed", "slabs that only touch are merged", &["dfb+sfm@closed", "skb+ofm@closed"]),
+    built_in(
+        "front-beta",
+        "beta counts for the front part of a slab alone",
+        &["dfb+sfm@front-beta"],
+    ),
+    built_in("squared", "shares of a slab's thickness are squared", &["dfb+sfm@squared"]),
+    built_in("mixed-tail", "a sorted tail is mixed, not put behind", &["dfb+sfm@mixed-tail"]),
     built_in(
         "braces",
         "early culling with the age raised at the end of every iteration, as listed",

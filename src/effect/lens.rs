@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use crate::num::depth::Format;
+use crate::num::planes::Planes;
 use crate::scene::{Camera, Projection};
 
 /// A camera with an image and a depth format.
@@ -17,6 +18,7 @@ pub struct Lens {
     axes: [DVec3; 3],
     half: [f64; 2],
     size: [f64; 2],
+    planes: Planes,
     format: Format,
 }
 
@@ -46,6 +48,7 @@ impl Lens {
             axes: camera.axes(),
             half: camera.half_extent(size),
             size: size.map(f64::from),
+            planes: camera.planes(),
             format,
         }
     }
@@ -74,12 +77,7 @@ impl Lens {
     #[inline]
     #[must_use]
     pub fn along(&self, depth: u32) -> f64 {
-        let (near, far) = (self.camera.near, self.camera.far);
-        let z = self.format.decode(depth);
-        match self.camera.projection {
-            Projection::Perspective { .. } => (near * far) / (far - z * (far - near)),
-            Projection::Orthographic { .. } => near + z * (far - near),
-        }
+        self.planes.along(self.format.decode(depth))
     }
 
     /// The distance along the ray itself, in world units.

@@ -9,6 +9,7 @@ use std::marker::PhantomData;
 
 use super::drive::Pipeline;
 use super::sim::turns::Stepped;
+use crate::fragment::Fragment;
 use crate::memory::asked::Asked;
 use crate::memory::exclusive::Exclusive;
 use crate::memory::native::Native;
@@ -48,7 +49,7 @@ pub trait Instance: Send + Sync {
     fn readback(&self) -> Option<Readback>;
 
     /// See [`Scheme::expected`].
-    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Held>;
+    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Held>;
 
     /// See [`Scheme::chosen`].
     fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32>;
@@ -228,7 +229,7 @@ impl<S: Scheme, F: Form> Instance for Made<S, F> {
         self.scheme.readback()
     }
 
-    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Held> {
+    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Held> {
         self.scheme.expected(inputs, pixel, generated).map(Holds::into_held)
     }
 

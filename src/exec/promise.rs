@@ -1,6 +1,7 @@
 //! What a pixel must hold: the one place that says so, for every comparison (references, the explorer, devices, tests).
 
 use super::{Instance, Method};
+use crate::fragment::Fragment;
 use crate::memory::Inputs;
 use crate::scheme::bound::Bound;
 use crate::scheme::{Contract, Held, HeldKind, Keeps};
@@ -60,7 +61,7 @@ impl<'a> Promise<'a> {
     /// What the pixel in this place of the storage must hold, where room and arrival do not matter; `generated` are all
     /// its fragments in canonical order. `None` if the method does not specify what it approximates.
     #[must_use]
-    pub fn pixel(&self, pixel: u32, generated: &[u64]) -> Option<Held> {
+    pub fn pixel(&self, pixel: u32, generated: &[Fragment]) -> Option<Held> {
         let own = self.instance.and_then(|i| i.expected(self.inputs, pixel, generated));
         if let Some(mut held) = own {
             held.sort();
@@ -69,7 +70,7 @@ impl<'a> Promise<'a> {
         if self.holds != HeldKind::Fragments || self.contract.keeps.is_approximate() {
             return None;
         }
-        let mut keys = generated.to_vec();
+        let mut keys: Vec<u64> = generated.iter().map(|f| f.key()).collect();
         self.contract.keep(&mut keys, self.bound.at(pixel as usize));
         Some(Held::Keys(keys))
     }

@@ -17,7 +17,7 @@ pub mod search;
 pub mod verdict;
 
 pub use memory::{MemoryModel, Profile};
-pub use program::{Case, Conditions, Family, Final, Litmus, Subject};
+pub use program::{Case, Conditions, Entry, Family, Final, Litmus, Subject};
 pub use replay::token::Token;
 pub use sample::{Executions, cut, sampled};
 pub use search::{Explored, Found, Limits, Progress, Property, Stopped, explore};

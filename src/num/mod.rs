@@ -4,6 +4,7 @@
 pub mod color;
 pub mod depth;
 mod hex;
+pub mod planes;
 pub mod random;
 
 pub use hex::hex;

@@ -39,7 +39,7 @@ impl Batch {
     #[inline]
     pub fn rank(&mut self, mut rank: impl FnMut(u32) -> u32) {
         for fragment in &mut self.fragments[..self.len] {
-            fragment.rank = rank(fragment.pixel);
+            fragment.extra = rank(fragment.pixel);
         }
     }
 
@@ -107,7 +107,9 @@ impl FrontEnd {
         batch: &mut Batch,
         data: impl Fn(u32, u32, u32) -> u32,
     ) {
-        let plane = self.primitives()[packet.primitive as usize].plane;
+        let primitive = &self.primitives()[packet.primitive as usize];
+        let plane = primitive.plane;
+        let slabs = self.slabs.as_ref().map(|slabs| slabs.of(primitive.triangle));
         let (x, y) = (u32::from(packet.column) * 8, u32::from(packet.row) * 8);
         let origin = plane.at(x, y);
         batch.len = 0;
@@ -116,9 +118,11 @@ impl FrontEnd {
             let bit = mask.trailing_zeros();
             mask &= mask - 1;
             let (dx, dy) = (bit & 7, bit >> 3);
-            let depth = format.encode(plane.code(plane.step(origin, dx, dy)));
+            let code = plane.code(plane.step(origin, dx, dy));
+            let depth = format.encode(code);
+            let extra = slabs.map_or(0, |slabs| format.encode(slabs.code(code)));
             let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy, depth));
-            batch.push(Fragment { pixel, depth, data, rank: 0 });
+            batch.push(Fragment { pixel, depth, data, extra });
         }
     }
 

@@ -10,6 +10,7 @@ use super::grid::Grid;
 use super::place::Placed;
 use super::primitive::{Primitive, Rect, Setup};
 use super::shade::{Attenuation, Seen, Surface};
+use super::slab::Slabs;
 use crate::fragment::Packet;
 use crate::num::color;
 use crate::scene::{Scene, ScreenTriangle};
@@ -54,6 +55,8 @@ pub struct FrontEnd {
     backs: Vec<bool>,
     /// By primitive: its corners, if requested.
     outlines: Vec<Polygon>,
+    /// How thick surfaces are, if fragments are to be slabs.
+    pub(super) slabs: Option<Slabs>,
     /// What attenuates the light on its way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
     /// Bin t is `binned[starts[t]..starts[t + 1]]`.
@@ -97,6 +100,19 @@ impl FrontEnd {
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
         let image = grid.image();
         Self::of(scene, grid, Target { normals: true, ..Target::new(viewport, image, cull) })
+    }
+
+    /// Make fragments slabs: their third word is the near end.
+    #[must_use]
+    pub fn thick(mut self, slabs: Slabs) -> Self {
+        self.slabs = Some(slabs);
+        self
+    }
+
+    /// How thick surfaces are, if fragments are slabs.
+    #[must_use]
+    pub fn slabs(&self) -> Option<&Slabs> {
+        self.slabs.as_ref()
     }
 
     /// The unit normal of a triangle at a pixel, towards the viewer, in world space; `None` for triangles given in
@@ -167,6 +183,7 @@ impl FrontEnd {
             surfaces,
             backs,
             outlines,
+            slabs: None,
             attenuation: None,
             starts,
             binned,

@@ -2,7 +2,7 @@
 //!
 //! `place` transforms, `clip` clips and snaps, `edge` decides coverage, `plane` gives depth, `shade` gives colour,
 //! `primitive` joins them for one triangle, `grid` numbers tiles and pixels, `front` sets up and bins a whole scene,
-//! `emit` turns packets into fragments. `naive` is the reference that all of it is tested against.
+//! `slab` gives them a thickness, `emit` turns packets into fragments. `naive` is the reference that all of it is tested against.
 
 pub mod clip;
 pub mod edge;
@@ -14,6 +14,7 @@ mod place;
 pub mod plane;
 pub mod primitive;
 pub mod shade;
+pub mod slab;
 
 pub use emit::{Batch, Record};
 pub use front::{CullFace, FrontEnd};

@@ -6,11 +6,20 @@ use crate::error::{Error, Result};
 use crate::exec::{Instance, promise};
 use crate::memory::Inputs;
 use crate::raster::FrontEnd;
+use crate::raster::slab::Slabs;
 use crate::scene::Scene;
 use crate::scheme::Config;
 use crate::scheme::bound::Bound;
 use crate::scheme::contract::{Demand, Keeps};
 use crate::scheme::kplus_buffer::k_variable::MOST_RECORDS;
+
+/// Surfaces get their thickness, if the method's fragments are slabs.
+pub(super) fn thick(front: FrontEnd, scene: &Scene, options: &Options) -> FrontEnd {
+    if !options.method.contract().has_slabs() {
+        return front;
+    }
+    front.thick(Slabs::new(scene, options.thickness))
+}
 
 /// What the method must know of the scene, measured only if needed; the fragments before each tile, and in total; and
 /// what a memory budget chose.
@@ -28,6 +37,7 @@ pub(super) fn configure(
         weighting: options.importance.weighting(),
         mask_words: options.cull.unwrap_or(culling::DEFAULT_WORDS),
         grid,
+        merging: options.merging(front),
         ..Config::default()
     };
     let (mut config, mut before_tile, mut chosen) = (base, Vec::new(), None);

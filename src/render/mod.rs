@@ -37,7 +37,7 @@ pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash_table::table::Offsets;
-use configure::{HeldTo, configure, held_to};
+use configure::{HeldTo, configure, held_to, thick};
 
 pub use budget::{Budget, storage_bytes};
 pub use culling::{CullingReport, DEFAULT_WORDS, keeps_nearest};
@@ -130,6 +130,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
     let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
     let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
+    let front = thick(front, scene, options);
     watch.lap("setup");
     let (config, before_tile, chosen) =
         configure(&front, options, options.k.or(contract.default_k))?;
@@ -219,6 +220,9 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     }
     if method.contract().demand == Demand::Records {
         head += &format!(" {:?} {:?}", options.k_average, options.importance);
+    }
+    if method.contract().has_slabs() {
+        head += &format!(" {} {:?}", options.beta, front.slabs());
     }
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
@@ -329,7 +333,8 @@ fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Execut
 fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
     names.extend(["bytes", "passes"]);
-    let open = contract.is_racy() || contract.keeps == Keeps::Visible;
+    let merges_by_arrival = contract.keeps == Keeps::Merged && contract.is_arrival_dependent();
+    let open = contract.is_racy() || contract.keeps == Keeps::Visible || merges_by_arrival;
     if !open {
         names.extend(["duplicated", "torn", "merged"]);
         // Which invocation takes a page that others would have filled depends on the order.

@@ -6,9 +6,11 @@ use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::fragment::Data;
 use crate::num::depth;
-use crate::raster::{CullFace, Record};
-use crate::scene::MAX_SIZE;
+use crate::raster::slab::Slabs;
+use crate::raster::{CullFace, FrontEnd, Record};
+use crate::scene::{MAX_SIZE, Thickness};
 use crate::scheme::HeldKind;
+use crate::scheme::merging::Merging;
 
 use super::culling;
 use super::importance::Importance;
@@ -60,6 +62,10 @@ pub struct Options {
     pub k_average: Option<f64>,
     /// What makes a pixel important.
     pub importance: Importance,
+    /// How thick surfaces are that do not say so themselves, for a method that merges.
+    pub thickness: Thickness,
+    /// For a method that cuts slabs: from optical, 0, to smooth, 1.
+    pub beta: f64,
     /// How hash tables are made.
     pub table: TableOptions,
     /// How a pixel's fragments are sorted.
@@ -89,6 +95,8 @@ impl Default for Options {
             cull: None,
             k_average: None,
             importance: Importance::default(),
+            thickness: Thickness::default(),
+            beta: 1.0,
             table: TableOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
@@ -215,6 +223,7 @@ impl Options {
             return wrong("--memory-budget", problem);
         }
         self.check_records()?;
+        self.check_merging()?;
         culling::check(self)?;
         if ![16, 32, 64].contains(&self.tile) {
             return wrong("--tile", format!("is {}, but must be 16, 32 or 64 pixels", self.tile));
@@ -269,6 +278,25 @@ impl Options {
             }
         }
         self.importance.check()
+    }
+
+    fn check_merging(&self) -> Result<()> {
+        if !self.thickness.is_valid() {
+            let problem = format!("is {}, but must be 0 or more, and finite", self.thickness);
+            return Err(Error::new("--thickness", problem));
+        }
+        if !(0.0..=1.0).contains(&self.beta) {
+            let problem = format!("is {}, but must be 0 (optical) to 1 (smooth)", self.beta);
+            return Err(Error::new("--beta", problem));
+        }
+        Ok(())
+    }
+
+    /// What merging must know of the run.
+    pub(super) fn merging(&self, front: &FrontEnd) -> Merging {
+        let planes = front.slabs().map(Slabs::planes).unwrap_or_default();
+        let relative = matches!(self.thickness, Thickness::Precision(_));
+        Merging { planes, format: self.record().depth, beta: self.beta, relative }
     }
 
     fn check_effect(&self) -> Result<()> {

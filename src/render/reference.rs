@@ -1,13 +1,16 @@
 //! The exact answer: what a method must give for a scene, with its options.
 
-use super::configure::{HeldTo, configure, held_to};
+use rayon::prelude::*;
+
+use super::configure::{self, HeldTo, configure, held_to};
 use super::{Options, render};
 use crate::error::Result;
 use crate::exec::promise::Promise;
+use crate::fragment::Fragment;
 use crate::raster::{FrontEnd, Grid};
 use crate::resolve::{Kept, Lists};
 use crate::scene::Scene;
-use crate::scheme::{Held, HeldKind};
+use crate::scheme::{Held, HeldKind, exact};
 
 /// What a method must give on a scene.
 #[derive(Clone, Debug)]
@@ -41,22 +44,43 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let k = options.k.or(options.method.contract().default_k);
     let grid = Grid { width: all.width, height: all.height, tile: options.tile };
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let front = configure::thick(front, scene, options);
     let (config, _, _) = configure(&front, options, k)?;
     let instance = options.method.instance(&config);
     let HeldTo { inputs, nearest, .. } = held_to(instance.as_deref(), scene, options, &front, k)?;
     let promise = Promise::new(options.method, instance.as_deref(), &inputs, nearest);
-    let kept = kept(&all, &grid, options.method.holds(), &promise);
+    let slabs = slabs(&front, options);
+    let generated = |x: u32, y: u32| match slabs.get(grid.pixel(x, y) as usize) {
+        Some(slabs) => slabs.clone(),
+        None => all.pixel(x, y).iter().map(|&key| Fragment::of_key(key)).collect(),
+    };
+    let kept = kept(&generated, &grid, options.method.holds(), &promise);
     Ok(Reference { all, kept })
 }
 
+/// By storage pixel, its fragments, for a method whose fragments are slabs.
+fn slabs(front: &FrontEnd, options: &Options) -> Vec<Vec<Fragment>> {
+    if !options.method.contract().has_slabs() {
+        return Vec::new();
+    }
+    let tiles = 0..front.grid.tiles();
+    let of = |tile| exact::slabs(front, tile, options.record());
+    tiles.into_par_iter().map(of).collect::<Vec<_>>().concat()
+}
+
 /// What all pixels must hold, row by row; `None` if it is unspecified for one of them.
-fn kept(all: &Lists, grid: &Grid, holds: HeldKind, promise: &Promise<'_>) -> Option<Kept> {
-    let Lists { width, height, .. } = *all;
+fn kept(
+    generated: &dyn Fn(u32, u32) -> Vec<Fragment>,
+    grid: &Grid,
+    holds: HeldKind,
+    promise: &Promise<'_>,
+) -> Option<Kept> {
+    let Grid { width, height, .. } = *grid;
     let mut offsets = vec![0];
     let (mut keys, mut records) = (Vec::new(), Vec::new());
     let (mut lights, mut depths) = (Vec::new(), Vec::new());
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        match promise.pixel(grid.pixel(x, y), all.pixel(x, y))? {
+        match promise.pixel(grid.pixel(x, y), &generated(x, y))? {
             Held::Keys(list) => keys.extend(list),
             Held::Records(list) => records.extend(list.list),
             Held::Light(light) => lights.push(light),

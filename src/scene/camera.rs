@@ -10,6 +10,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::{Bounds, Camera, Light, Projection};
 use crate::error::{Error, Result};
+use crate::num::planes::Planes;
 
 /// The vertical field of view of default cameras, degrees.
 pub const FOV_Y: f64 = 40.0;
@@ -30,6 +31,13 @@ impl Camera {
         let [right, up, back] = self.axes();
         let row = |axis: DVec3| DVec4::new(axis.x, axis.y, axis.z, -axis.dot(self.eye));
         DMat4::from_cols(row(right), row(up), row(back), DVec4::W).transpose()
+    }
+
+    /// How depths stand for distances.
+    #[must_use]
+    pub fn planes(&self) -> Planes {
+        let parallel = matches!(self.projection, Projection::Orthographic { .. });
+        Planes { near: self.near, far: self.far, parallel }
     }
 
     /// From the camera's space to clip space, for an image of `size` pixels.

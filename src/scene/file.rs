@@ -10,7 +10,8 @@ use super::camera::AMBIENT;
 use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
 use super::{
-    Bounds, Light, Material, Model, Scene, ScreenTriangle, Shading, check, names, procedural,
+    Bounds, Light, Material, Model, Scene, ScreenTriangle, Shading, Thickness, check, names,
+    procedural,
 };
 use crate::error::{Error, Result};
 
@@ -78,9 +79,18 @@ struct ObjectTable {
     translate: Option<[f64; 3]>,
     rotate: Option<[f64; 4]>,
     scale: Option<f64>,
+    thickness: Option<ThicknessValue>,
     /// The generator's own; a file has none.
     #[serde(flatten)]
     keys: BTreeMap<String, toml::Value>,
+}
+
+/// World units, or text like "10x".
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+enum ThicknessValue {
+    Number(f64),
+    Text(String),
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -125,7 +135,12 @@ impl Description {
             let transform =
                 object.transform().map_err(|problem| self.wrong("object", i, &problem))?;
             let material = object.material.as_deref().and_then(|name| self.material(name));
+            let first = whole.objects.len();
             whole.append(model(object.source(size))?, transform, material);
+            if let Some(thickness) = &object.thickness {
+                let own = thickness.read().map_err(|problem| self.wrong("object", i, &problem))?;
+                whole.objects[first..].iter_mut().for_each(|o| o.thickness = Some(own));
+            }
             whole.call(&object.name(i));
             if whole.triangles() > MAX_TRIANGLES {
                 return Err(self.wrong(
@@ -232,6 +247,7 @@ impl ObjectTable {
             (None, Some(name)) => self.check_generator(name)?,
             _ => return Err("file: needs either file or procedural".to_owned()),
         }
+        self.thickness.as_ref().map_or(Ok(()), |thickness| thickness.read().map(drop))?;
         self.transform().map(drop)
     }
 
@@ -261,6 +277,16 @@ impl ObjectTable {
             None => DMat4::IDENTITY,
         };
         Ok(DMat4::from_translation(translate) * rotation * DMat4::from_scale(DVec3::splat(scale)))
+    }
+}
+
+impl ThicknessValue {
+    fn read(&self) -> Unplaced<Thickness> {
+        let text = match self {
+            Self::Number(units) => units.to_string(),
+            Self::Text(text) => text.clone(),
+        };
+        Thickness::parse(&text).map_err(|problem| format!("thickness: {problem}"))
     }
 }
 

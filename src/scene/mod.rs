@@ -17,6 +17,7 @@ pub mod names;
 pub mod obj;
 pub mod ply;
 pub mod procedural;
+mod thickness;
 
 use std::sync::Arc;
 
@@ -29,6 +30,7 @@ pub use self::draft::{DEFAULT_BACKGROUND, DEFAULT_SIZE, Overrides};
 pub use self::load::{MESH_ALPHA, builtin, load};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::procedural::Builtin;
+pub use self::thickness::Thickness;
 
 /// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
 #[derive(Clone, Debug)]
@@ -134,6 +136,8 @@ pub struct Object {
     pub transform: DMat4,
     /// Index into [`Scene::materials`].
     pub material: usize,
+    /// How thick its surfaces are, for methods that merge; `None` where the run says.
+    pub thickness: Option<Thickness>,
 }
 
 /// Indexed triangles.

@@ -48,7 +48,8 @@ impl Model {
     /// Adds a shared mesh at a place. A mesh without triangles is left out.
     pub fn add_placed(&mut self, mesh: Arc<Mesh>, transform: DMat4, material: usize) {
         if !mesh.triangles.is_empty() {
-            self.objects.push(Object { name: String::new(), mesh, transform, material });
+            let name = String::new();
+            self.objects.push(Object { name, mesh, transform, material, thickness: None });
         }
     }
 
@@ -61,6 +62,7 @@ impl Model {
             transform: transform * object.transform,
             material: material.unwrap_or(offset + object.material),
             mesh: object.mesh,
+            thickness: object.thickness,
         }));
         self.screen.extend(other.screen);
         self.warnings.extend(other.warnings);

@@ -66,8 +66,8 @@ pub struct Contract {
     pub demand: Demand,
     /// Fragments per index of its pool, if it has one.
     pub page: u32,
-    /// In which order its store invocations enter.
-    pub store_order: StoreOrder,
+    /// What its invocations know of a fragment besides depth and data.
+    pub extra: Extra,
     /// The text of its source file, by `include_str!`, if it is at hand: random runs try the whole numbers in it as depths
     /// and data words.
     pub source: &'static str,
@@ -152,13 +152,16 @@ impl Overflow {
     }
 }
 
-/// In which order store invocations enter.
+/// What an invocation knows of its fragment besides depth and data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StoreOrder {
-    /// Any.
-    Free,
-    /// By the ordered interlock: each fragment knows its rank among its pixel's, in API order.
-    Interlock,
+pub enum Extra {
+    /// Nothing.
+    Nothing,
+    /// Its rank: how many fragments of its pixel come before it in API order. Store invocations enter by the ordered
+    /// interlock.
+    Rank,
+    /// The near end of its slab, as a depth word: the depth itself, or nearer by the thickness.
+    Near,
 }
 
 /// Which form of a method this is.
@@ -298,7 +301,7 @@ impl Contract {
             max_k: if takes_k { u32::MAX / 4 } else { u32::MAX },
             max_pixels: u32::MAX,
             demand: Demand::Nothing,
-            store_order: StoreOrder::Free,
+            extra: Extra::Nothing,
             source: "",
         }
     }
@@ -356,7 +359,13 @@ impl Contract {
     /// It needs the ordered interlock.
     #[must_use]
     pub const fn is_interlocked(&self) -> bool {
-        matches!(self.store_order, StoreOrder::Interlock)
+        matches!(self.extra, Extra::Rank)
+    }
+
+    /// Its fragments are slabs.
+    #[must_use]
+    pub const fn has_slabs(&self) -> bool {
+        matches!(self.extra, Extra::Near)
     }
 
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.

@@ -23,18 +23,34 @@ pub const CONTRACT: Contract = Contract {
 /// The fragments of a tile's pixels, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.
 #[must_use]
 pub fn tile(front: &FrontEnd, tile: usize, record: Record, k: Option<u32>) -> Vec<Vec<u64>> {
+    let mut pixels = collect(front, tile, record, |fragment| fragment.key());
+    pixels.iter_mut().for_each(|keys| nearest(keys, k));
+    pixels
+}
+
+/// The same with all that is known of a fragment: the near ends of slabs, too.
+#[must_use]
+pub fn slabs(front: &FrontEnd, tile: usize, record: Record) -> Vec<Vec<Fragment>> {
+    let mut pixels = collect(front, tile, record, |fragment| fragment);
+    pixels.iter_mut().for_each(|fragments| fragments.sort_unstable());
+    pixels
+}
+
+fn collect<T: Clone>(
+    front: &FrontEnd,
+    tile: usize,
+    record: Record,
+    part: impl Fn(Fragment) -> T,
+) -> Vec<Vec<T>> {
     let mut pixels = vec![Vec::new(); front.grid.pixels_per_tile()];
     let mut batch = Batch::default();
     front.packets(tile, |packet: Packet| {
         let first = front.grid.local_block(packet) * 64;
         front.fragments(packet, record, first, &mut batch);
-        for fragment in batch.fragments() {
-            pixels[fragment.pixel as usize].push(fragment.key());
+        for &fragment in batch.fragments() {
+            pixels[fragment.pixel as usize].push(part(fragment));
         }
     });
-    for keys in &mut pixels {
-        nearest(keys, k);
-    }
     pixels
 }
 

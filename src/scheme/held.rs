@@ -55,9 +55,11 @@ impl Default for Depth {
 }
 
 impl Record {
-    fn bits(&self) -> [u64; 7] {
+    /// Surfaces of one depth have the canonical order of their fragments: by colour word.
+    fn bits(&self) -> [u64; 8] {
         let [r, g, b, a] = self.rgba.map(f64::to_bits);
-        [self.depth.into(), self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
+        let (depth, color) = (self.depth.into(), self.color().into());
+        [depth, color, self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
     }
 
     /// One fragment as a surface: a stored depth and a colour word (RGBA8).

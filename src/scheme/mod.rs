@@ -13,7 +13,7 @@
 //!
 //! A folder uses only folders before it in this order, and the files beside them (`tests/layering.rs` checks that):
 //!
-//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table` → `culling`
+//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table` → `culling` → `merging`
 
 pub mod a_buffer;
 pub mod bound;
@@ -26,6 +26,7 @@ pub mod held;
 pub mod k_buffer;
 pub mod kplus_buffer;
 mod listed;
+pub mod merging;
 pub mod parts;
 pub mod peeling;
 pub mod program;
@@ -61,6 +62,8 @@ pub struct Config {
     pub weighting: kplus_buffer::k_variable::Weighting,
     /// Words of a pixel's occupancy mask, of 32 intervals each; 0 counts as 1.
     pub mask_words: u32,
+    /// What merging must know of the run.
+    pub merging: merging::Merging,
     /// How pixels are numbered, for methods that must know where on the screen they are.
     pub grid: Grid,
     /// How hash tables are made.
@@ -194,10 +197,10 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         None
     }
 
-    /// What a pixel must hold, given all its fragments in canonical order: a reference that is verified by reading,
+    /// What a pixel must hold, given all its fragments in canonical order (ranks are 0): a reference that is verified by reading,
     /// with no invocations in it. `None` where the contract says all: the exact fragments, or the nearest of them. A
-    /// method that merges or approximates is held to this one, wherever its result may not depend on arrival.
-    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Self::Holds> {
+    /// method that merges or approximates is held to this one; where its result depends on arrival, it must give `None`.
+    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Self::Holds> {
         let _ = (inputs, pixel, generated);
         None
     }

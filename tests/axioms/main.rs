@@ -9,7 +9,9 @@ mod program;
 use std::collections::BTreeSet;
 
 use axioms::{Axioms, MODEL, Outcome, outcome, results};
-use fragloom::explore::{Conditions, Limits, Litmus, MemoryModel, Profile, Subject, explore};
+use fragloom::explore::{
+    Conditions, Entry, Limits, Litmus, MemoryModel, Profile, Subject, explore,
+};
 use fragloom::fragment::{Fragment, data_of, key};
 use fragloom::memory::Order::{self, AcqRel, Acquire, Relaxed, Release};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Pixel, Plain, Update, Words};
@@ -111,7 +113,7 @@ impl Scheme for Threads {
 fn explored(program: &Program, profile: Profile) -> (BTreeSet<Outcome>, usize) {
     let thread = |thread: usize| {
         let (depth, data) = encode(thread, &program[thread]);
-        (0, depth, data)
+        Entry(0, depth, data, 0)
     };
     let litmus = Litmus {
         pixels: 1,

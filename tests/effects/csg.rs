@@ -214,6 +214,7 @@ fn beside(model: Option<Scene>, shape: &str, share: f64) -> Option<Scene> {
         mesh: Arc::clone(&mesh),
         transform,
         material: 0,
+        thickness: None,
     });
     whole.camera = Camera::frame(Bounds::of(&whole.objects), whole.size);
     Some(whole)

@@ -78,6 +78,15 @@ pub(in crate::cli) struct Drawing {
     #[command(flatten)]
     pub(in crate::cli) importance: importance::Typed,
 
+    /// For methods that merge, how thick surfaces are that do not say so themselves: Nx, times the depth precision P(z),
+    /// or world units [default: 2x]
+    #[arg(long, value_name = "Nx|UNITS", allow_hyphen_values = true)]
+    pub(in crate::cli) thickness: Option<String>,
+
+    /// For dfb+sfm, how slabs are cut: from 0, strictly optical, to 1, smooth
+    #[arg(long, value_name = "B", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(in crate::cli) beta: f64,
+
     /// Size of a hash table: the share of its cells to be filled by fragments, 1 to 100 per cent. It is never smaller
     /// than the image on either axis [default: 50]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::num::depth::Format;
 use crate::render::{self, Options, Policy, Sim, TableOptions};
-use crate::scene::{self, Overrides};
+use crate::scene::{self, Overrides, Thickness};
 
 /// Invocations in flight unless `--resident` is given.
 const RESIDENT: usize = 4_096;
@@ -54,11 +54,17 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         cull: typed.cull.as_deref().map(importance::culling).transpose()?,
         k_average: typed.importance.k_average,
         importance: typed.importance.complete()?,
+        thickness: typed.thickness.as_deref().map_or(Ok(Thickness::default()), thickness)?,
+        beta: typed.beta,
         table: table(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
     };
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
+}
+
+fn thickness(text: &str) -> Result<Thickness> {
+    Thickness::parse(text).map_err(|problem| Error::new("--thickness", problem))
 }
 
 fn table(typed: &Drawing) -> Result<TableOptions> {
@@ -253,6 +259,9 @@ mod tests {
             ("--tile 8", "--tile"),
             ("--sub-pixel-bits 5", "--sub-pixel-bits"),
             ("--max-memory 0", "--max-memory"),
+            ("--thickness -1", "--thickness"),
+            ("--thickness NaNx", "--thickness"),
+            ("--thickness 2 x", "--thickness"),
             ("--schedule random", "--schedule"),
             ("--exec sim --resident 0", "--resident"),
             ("--exec sim --schedule fifo", "--schedule"),

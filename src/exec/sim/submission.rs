@@ -83,7 +83,7 @@ impl Iterator for Submission<'_> {
         let mut fragment = self.batch.fragments()[self.next_fragment];
         self.next_fragment += 1;
         if let Some(entered) = self.entered.get_mut(fragment.pixel as usize) {
-            fragment.rank = *entered;
+            fragment.extra = *entered;
             *entered += 1;
         }
         Some(fragment)

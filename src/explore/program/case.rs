@@ -44,7 +44,7 @@ impl Case {
         let instance = Some(&**instance);
         let bound = bound(*method, instance, litmus.k, inputs, litmus.pixels, counts);
         let promise = Promise::new(*method, instance, inputs, bound);
-        promise.pixel(pixel, &litmus.generated(pixel))
+        promise.pixel(pixel, &litmus.sorted(self.contract, pixel))
     }
 
     /// The most invocations that run at the same time.

@@ -5,7 +5,7 @@
 //! and, with several, the last is the far plane's, so the ends of the range are always included. Other values of the
 //! same patterns: [`super::values`].
 
-use super::litmus::Litmus;
+use super::litmus::{Entry, Litmus};
 use super::subject::Subject;
 use crate::fragment::{Data, key};
 use crate::memory::{Declared, Per};
@@ -129,9 +129,11 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
                 for relations in patterns(n, pixels) {
                     let sorted = fragments(&relations, &places, contract);
                     let helpers = family.helpers.min(n);
-                    for fragments in arrivals(sorted, contract) {
-                        let (table, inputs) = (None, Vec::new());
-                        all.push(Litmus { pixels, k, room, fragments, helpers, table, inputs });
+                    for thick in thicknesses(&sorted, contract) {
+                        for fragments in arrivals(thick, contract) {
+                            let (table, inputs) = (None, Vec::new());
+                            all.push(Litmus { pixels, k, room, fragments, helpers, table, inputs });
+                        }
                     }
                 }
             }
@@ -148,7 +150,7 @@ fn hashed(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
     let in_turns = in_turns(n, n).into_iter().map(|places| (places, true));
     let sparse = sparse(n).into_iter().map(|places| (places, false));
     for ((pixels, places), divides) in in_turns.chain(sparse) {
-        let mut lists: Vec<Vec<(u32, u32, u32)>> = Vec::new();
+        let mut lists: Vec<Vec<Entry>> = Vec::new();
         for relations in patterns(n, pixels) {
             lists.extend(colored(fragments(&relations, &places, contract), contract));
         }
@@ -183,17 +185,17 @@ fn sparse(n: u32) -> Vec<Places> {
 }
 
 /// The fragments divided between two pixels in every way that leaves some at both.
-fn divided(list: &[(u32, u32, u32)]) -> Vec<Vec<(u32, u32, u32)>> {
+fn divided(list: &[Entry]) -> Vec<Vec<Entry>> {
     let ways = 1..(1u32 << list.len()) - 1;
     let way = |bits: u32| {
         let pixel = move |i: usize| bits >> i & 1;
-        list.iter().enumerate().map(|(i, f)| (pixel(i), f.1, f.2)).collect()
+        list.iter().enumerate().map(|(i, f)| Entry(pixel(i), f.1, f.2, f.3)).collect()
     };
     ways.map(way).collect()
 }
 
 /// For a method that depends on opacity: every choice of opaque fragments, and of those that let nearly all light pass.
-fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+fn colored(list: Vec<Entry>, contract: &Contract) -> Vec<Vec<Entry>> {
     if contract.keeps != Keeps::Visible {
         return vec![list];
     }
@@ -206,7 +208,7 @@ fn colored(list: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32
         list
     };
     let mut all: Vec<_> = (0..1u32 << list.len().min(5)).map(alphas).collect();
-    all.iter_mut().for_each(|list| list.sort_by_key(|&(_, depth, data)| key(depth, data)));
+    all.iter_mut().for_each(|list| list.sort_by_key(|f| key(f.1, f.2)));
     all.sort_unstable();
     all.dedup();
     all
@@ -250,9 +252,60 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
     all
 }
 
+/// The thicknesses to try, for a method with slabs. A slab may be a surface, touch the next nearer depth, reach just
+/// beyond it, or beyond the one after that. Of up to two fragments all choices; of more, those that reach alike or in
+/// turns, and every third of the others for three.
+fn thicknesses(sorted: &[Entry], contract: &Contract) -> Vec<Vec<Entry>> {
+    if !contract.has_slabs() {
+        return vec![sorted.to_vec()];
+    }
+    let mut depths: Vec<u32> = sorted.iter().map(|f| f.1).collect();
+    depths.dedup();
+    let reach = |f: &Entry, choice: usize| {
+        let level = depths.iter().position(|&depth| depth == f.1).unwrap_or(0);
+        let to = |before: usize| f.1 - level.checked_sub(before).map_or(0, |at| depths[at]);
+        match choice {
+            0 => 0,
+            1 => {
+                if level > 0 {
+                    to(1)
+                } else {
+                    1
+                }
+            }
+            2 => {
+                if level > 0 {
+                    to(1) + 1
+                } else {
+                    2
+                }
+            }
+            _ => to(2).saturating_add(1).min(f.1),
+        }
+    };
+    let n = sorted.len();
+    let choices: Vec<usize> = match n {
+        ..=2 => (0..4usize.pow(n as u32)).collect(),
+        3 => (0..64).filter(|i| i % 3 == 0 || [21, 42].contains(i)).collect(),
+        // Base 4: alike, and in turns.
+        _ => [0x0000, 0x1111, 0x2222, 0x3333, 0x2020, 0x0202, 0x3232, 0x0030, 0x0203]
+            .map(|digits| (0..8).fold(0, |sum, i| sum | (digits >> (4 * (i % 4)) & 3) << (2 * i)))
+            .to_vec(),
+    };
+    let of = |choice: usize| {
+        let thick =
+            |(i, f): (usize, &Entry)| Entry(f.0, f.1, f.2, reach(f, choice >> (2 * (i % 8)) & 3));
+        sorted.iter().enumerate().map(thick).collect()
+    };
+    let mut all: Vec<Vec<Entry>> = choices.into_iter().map(of).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// The orders of arrival to try. It matters only where the interlock makes it the order of execution. Then all orders
 /// of up to four fragments; of more, forwards and backwards.
-fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, u32, u32)>> {
+fn arrivals(sorted: Vec<Entry>, contract: &Contract) -> Vec<Vec<Entry>> {
     if !contract.is_interlocked() {
         return vec![sorted];
     }
@@ -262,7 +315,7 @@ fn arrivals(sorted: Vec<(u32, u32, u32)>, contract: &Contract) -> Vec<Vec<(u32, 
     }
     let mut all = vec![Vec::new()];
     for fragment in sorted {
-        let longer = |order: &Vec<(u32, u32, u32)>| {
+        let longer = |order: &Vec<Entry>| {
             let order = order.clone();
             (0..=order.len()).map(move |place| {
                 let mut order = order.clone();
@@ -296,7 +349,7 @@ fn patterns(n: u32, pixels: u32) -> Vec<Vec<Relation>> {
     all
 }
 
-fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec<(u32, u32, u32)> {
+fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec<Entry> {
     let format = contract.depth_format.unwrap_or(Format::D32);
     let levels = 1 + relations.iter().filter(|&&r| r == Relation::Farther).count() as u32;
     // Data words decrease as depth grows, so that nothing sorted by one is sorted by the other.
@@ -312,11 +365,20 @@ fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec
             Some(Relation::OtherData) => data += 1,
             _ => {}
         }
-        let code = if level + 1 == levels { FARTHEST } else { level * 0x1000_0000 };
-        let data = if contract.data == Some(Data::Nothing) { 0 } else { data };
-        all.push((pixel, format.encode(code), data));
+        // A slab at depth 0 could not be thick.
+        let before = if contract.has_slabs() { level + 1 } else { level };
+        let code = if level + 1 == levels { FARTHEST } else { before * 0x1000_0000 };
+        let data = match contract.data {
+            Some(Data::Nothing) => 0,
+            // Colours that can be seen.
+            _ if contract.has_slabs() => {
+                data | (0x40 + 0x3F * ((data / 16 + data) % 4)) << 24 | 0x20_4080
+            }
+            _ => data,
+        };
+        all.push(Entry(pixel, format.encode(code), data, 0));
     }
-    all.sort_by_key(|&(_, depth, data)| key(depth, data));
+    all.sort_by_key(|f| key(f.1, f.2));
     all
 }
 

@@ -3,14 +3,22 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::fragment::Fragment;
+use crate::fragment::{Fragment, key};
 use crate::memory::{Inputs, Layout};
 use crate::raster::Grid;
+use crate::scheme::contract::{Extra, Keeps};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::hash_table::table::TableSettings;
 use crate::scheme::program::PassKind;
 use crate::scheme::task::Task;
 use crate::scheme::{Config, Contract};
+
+/// A fragment of a small program: its pixel, depth and data; and, of a method with slabs, the thickness in depth words
+/// (0 is a surface).
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
+)]
+pub struct Entry(pub u32, pub u32, pub u32, #[serde(skip)] pub u32);
 
 /// A small program: one store invocation per fragment.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -21,8 +29,8 @@ pub struct Litmus {
     pub k: Option<u32>,
     /// The scene as the method is configured for it: fragments in total, and at a pixel.
     pub room: u32,
-    /// (pixel, depth, data) of every fragment, in submission order.
-    pub fragments: Vec<(u32, u32, u32)>,
+    /// Its fragments, in submission order.
+    pub fragments: Vec<Entry>,
     /// How many of the first fragments have a helper invocation next to them.
     pub helpers: u32,
     /// The hash table, for a method that has one.
@@ -63,7 +71,7 @@ impl Litmus {
             pixels: 1,
             k: contract.default_k.map(|_| 1),
             room: 1,
-            fragments: vec![(0, 0, 0)],
+            fragments: vec![Entry::default()],
             helpers: 0,
             table: None,
             inputs: Vec::new(),
@@ -75,7 +83,8 @@ impl Litmus {
     pub fn config(&self, contract: &Contract) -> Config {
         let bound = |pixel| {
             let count = self.fragments.iter().filter(|f| f.0 == pixel).count() as u64;
-            self.k.map_or(count, |k| count.min(u64::from(k)))
+            let k = self.k.filter(|_| contract.keeps == Keeps::Nearest);
+            k.map_or(count, |k| count.min(u64::from(k)))
         };
         let bounded: u64 = (0..self.pixels).map(bound).sum();
         let room = u64::from(self.room);
@@ -96,12 +105,17 @@ impl Litmus {
         }
     }
 
-    /// The fragments.
-    pub fn fragments(&self) -> impl Iterator<Item = Fragment> + '_ {
+    /// The fragments, as the contract's method knows them.
+    pub fn fragments(&self, contract: &Contract) -> impl Iterator<Item = Fragment> + '_ {
+        let extra = contract.extra;
         let all = self.fragments.iter().enumerate();
-        all.map(|(i, &(pixel, depth, data))| {
-            let rank = self.fragments[..i].iter().filter(|f| f.0 == pixel).count() as u32;
-            Fragment { pixel, depth, data, rank }
+        all.map(move |(i, &Entry(pixel, depth, data, thickness))| {
+            let extra = match extra {
+                Extra::Nothing => 0,
+                Extra::Rank => self.fragments[..i].iter().filter(|f| f.0 == pixel).count() as u32,
+                Extra::Near => depth.saturating_sub(thickness),
+            };
+            Fragment { pixel, depth, data, extra }
         })
     }
 
@@ -116,10 +130,21 @@ impl Litmus {
     /// The keys generated at a pixel, sorted.
     #[must_use]
     pub fn generated(&self, pixel: u32) -> Vec<u64> {
-        let own = self.fragments().filter(|f| f.pixel == pixel);
-        let mut keys: Vec<u64> = own.map(Fragment::key).collect();
+        let own = self.fragments.iter().filter(|f| f.0 == pixel);
+        let mut keys: Vec<u64> = own.map(|f| key(f.1, f.2)).collect();
         keys.sort_unstable();
         keys
+    }
+
+    /// The fragments generated at a pixel, in canonical order, whatever their ranks.
+    #[must_use]
+    pub fn sorted(&self, contract: &Contract, pixel: u32) -> Vec<Fragment> {
+        let unranked =
+            |f: Fragment| if contract.has_slabs() { f } else { Fragment { extra: 0, ..f } };
+        let own = self.fragments(contract).filter(|f| f.pixel == pixel).map(unranked);
+        let mut own: Vec<Fragment> = own.collect();
+        own.sort_unstable();
+        own
     }
 
     /// The words of the method's inputs.
@@ -149,11 +174,7 @@ impl Litmus {
         parts: &[Part],
         invocations: &impl Fn(usize) -> u32,
     ) -> Stage {
-        // An invocation that does not know its rank is like any other of the same depth and data.
-        let fragments = || {
-            let rank = |f: Fragment| if contract.is_interlocked() { f.rank } else { 0 };
-            self.fragments().map(move |f| Fragment { rank: rank(f), ..f })
-        };
+        let fragments = || self.fragments(contract);
         let (mut tasks, mut helping, mut around) = (Vec::new(), Vec::new(), Vec::new());
         let mut name = None;
         for part in parts {
@@ -195,8 +216,8 @@ impl Litmus {
     /// fragment. A method that never reads such a word is explored only once, so these stand for arbitrary memory; one
     /// that does is explored with each of them, at each such word.
     pub(in crate::explore) fn candidates(&self) -> [u64; 3] {
-        let middle = self.fragments().nth(self.fragments.len() / 2).map_or(1, Fragment::key);
-        [0, middle, u64::MAX]
+        let middle = self.fragments.get(self.fragments.len() / 2);
+        [0, middle.map_or(1, |f| key(f.1, f.2)), u64::MAX]
     }
 
     /// How many operations an invocation may have. Beyond, a loop is taken for endless: a search gives up, and says so.
@@ -239,9 +260,12 @@ impl Litmus {
             let words: Vec<String> = words.iter().map(|word| format!("{word:x}")).collect();
             let _ = write!(text, " input{input}={}", words.join(","));
         }
-        for &(pixel, depth, data) in &self.fragments {
+        for &Entry(pixel, depth, data, thickness) in &self.fragments {
             let place = if self.pixels > 1 { format!("p{pixel}:") } else { String::new() };
             let _ = write!(text, " {place}{depth:x}/{data:x}");
+            if thickness > 0 {
+                let _ = write!(text, " thick {thickness:x}");
+            }
         }
         text
     }

@@ -19,7 +19,7 @@ pub mod values;
 
 pub use self::case::Case;
 pub use self::instances::Family;
-pub use self::litmus::{Litmus, Stage};
+pub use self::litmus::{Entry, Litmus, Stage};
 pub use self::machine::{Conditions, Final};
 pub use self::schedule::{Move, Schedule};
 pub use self::subject::Subject;

@@ -2,7 +2,7 @@
 //! values otherwise than it should (their upper bits, or as floats) may be right for some values of a pattern and wrong
 //! for others. So every pattern is also explored with values that lie close together, or at the ends of their range.
 
-use super::litmus::Litmus;
+use super::litmus::{Entry, Litmus};
 use crate::fragment::key;
 use crate::num::depth::{FARTHEST, Format};
 use crate::scheme::Contract;
@@ -106,7 +106,7 @@ impl Values {
         let named = contract.keeps == Keeps::Visible
             || contract.data.is_some()
             || !litmus.inputs.is_empty();
-        let new = |&(pixel, depth, data): &(u32, u32, u32)| {
+        let new = |&Entry(pixel, depth, data, thickness): &Entry| {
             let level = depths.partition_point(|&d| d < depth) as u32;
             let code = (self.depth)(level, depths.len() as u32, step);
             let number = |key: u64| keys.partition_point(|&k| k < key) as u32;
@@ -114,7 +114,7 @@ impl Values {
             let of_level = of_all - number(key(depth, 0));
             let depth = format.encode(code);
             let new = (self.data)(Place { of_level, of_all, depth });
-            (pixel, depth, if named { data } else { new })
+            Entry(pixel, depth, if named { data } else { new }, thickness)
         };
         let fragments: Vec<_> = litmus.fragments.iter().map(new).collect();
         let other = Litmus { fragments, ..litmus.clone() };

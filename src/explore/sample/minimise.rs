@@ -59,7 +59,8 @@ fn cut(
     let exec = Exec::Sim(Sim { watch: Some(pixel), ..sim.clone() });
     let watched = render(scene, &Options { exec, ..options.clone() })?.watched;
     let Some(watched) = watched else { return Ok(None) };
-    let litmus = litmus_of(&watched.fragments, options.k.or(subject.contract.default_k));
+    let litmus =
+        litmus_of(subject.contract, &watched.fragments, options.k.or(subject.contract.default_k));
     let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
     let moves = watched
         .staged()

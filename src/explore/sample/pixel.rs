@@ -3,7 +3,7 @@
 use super::walk::walk;
 use crate::error::{Error, Result};
 use crate::exec::sim::policy::{self, Scheduling};
-use crate::explore::program::litmus::Litmus;
+use crate::explore::program::litmus::{Entry, Litmus};
 use crate::explore::program::machine::{Conditions, MOST_INVOCATIONS};
 use crate::explore::program::subject::Subject;
 use crate::explore::search::explored::{Found, Limits};
@@ -13,6 +13,7 @@ use crate::raster::primitive::Rect;
 use crate::raster::{Batch, FrontEnd, Grid, Record};
 use crate::render::Options;
 use crate::scene::Scene;
+use crate::scheme::Contract;
 use rayon::prelude::*;
 
 /// The fragments of one pixel in submission order, as a litmus pixel.
@@ -39,17 +40,18 @@ pub fn cut(
         let right = format!("1 to {most} can be explored; --executions samples the whole scene");
         return Err(wrong(format!("{x},{y} has {n} fragments: {right}")));
     }
-    Ok(litmus_of(&fragments, options.k.or(subject.contract.default_k)))
+    Ok(litmus_of(subject.contract, &fragments, options.k.or(subject.contract.default_k)))
 }
 
 /// A litmus pixel of some fragments.
 #[must_use]
-pub fn litmus_of(fragments: &[Fragment], k: Option<u32>) -> Litmus {
+pub fn litmus_of(contract: &Contract, fragments: &[Fragment], k: Option<u32>) -> Litmus {
+    let thickness = |f: &Fragment| if contract.has_slabs() { f.depth - f.extra } else { 0 };
     Litmus {
         pixels: 1,
         k,
         room: fragments.len() as u32,
-        fragments: fragments.iter().map(|f| (0, f.depth, f.data)).collect(),
+        fragments: fragments.iter().map(|f| Entry(0, f.depth, f.data, thickness(f))).collect(),
         helpers: 0,
         table: None,
         inputs: Vec::new(),

@@ -341,7 +341,7 @@ mod tests {
             pixels: 1,
             k: None,
             room: 1,
-            fragments: vec![(0, 0, 0)],
+            fragments: vec![Default::default()],
             helpers: 0,
             table: None,
             inputs: Vec::new(),

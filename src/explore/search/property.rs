@@ -120,7 +120,7 @@ pub(in crate::explore) fn judge(case: &Case, run: &Final) -> Vec<(Property, Stri
     let mut judgement = Judgement::default();
     for (pixel, held) in (0..).zip(&run.pixels) {
         let generated = litmus.generated(pixel);
-        let reports = reports(litmus, run, pixel);
+        let reports = reports(contract, litmus, run, pixel);
         let kept = match held {
             Held::Keys(list) if contract.crosses() => {
                 keeps_of_table(contract, litmus, &generated, list, &run.outcomes)
@@ -169,8 +169,8 @@ fn place(litmus: &Litmus, pixel: u32) -> String {
 }
 
 /// What the invocations of a pixel reported.
-fn reports(litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
-    let own = litmus.fragments().zip(&run.outcomes).filter(|(f, _)| f.pixel == pixel);
+fn reports(contract: &Contract, litmus: &Litmus, run: &Final, pixel: u32) -> Vec<Outcome> {
+    let own = litmus.fragments(contract).zip(&run.outcomes).filter(|(f, _)| f.pixel == pixel);
     own.map(|(_, &outcome)| outcome).collect()
 }
 
@@ -184,7 +184,7 @@ fn as_expected(case: &Case, pixel: u32, held: &Held) -> Option<String> {
             return Some(format!("{held} cuts {}, one of the {k} nearest", keys(&[key])));
         }
     }
-    let open = case.contract.is_arrival_dependent() || overflows(case.contract, &case.litmus);
+    let open = overflows(case.contract, &case.litmus);
     let expected = case.expected(pixel).filter(|_| !open)?;
     (expected != *held).then(|| format!("{held} instead of {expected}"))
 }

@@ -10,7 +10,7 @@ use super::explored::Limits;
 use super::live::{self, Live};
 use super::property::Property;
 use crate::explore::program::guard::guarded;
-use crate::explore::program::litmus::Litmus;
+use crate::explore::program::litmus::{Entry, Litmus};
 use crate::explore::program::subject::Subject;
 use crate::fragment::Data;
 use crate::memory::asked::Action;
@@ -249,6 +249,7 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
             Some(Data::Nothing) => 0,
             _ if contract.keeps == Keeps::Visible => number | [16, 240][number as usize % 2] << 24,
             _ if by_primitive => number,
+            _ if contract.has_slabs() => number | (random.below(256) as u32) << 24,
             None if random.below(DICTIONARY) == 0 && !constants.is_empty() => {
                 constants[random.below(constants.len() as u64) as usize]
             }
@@ -260,9 +261,12 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
     let datas: Vec<u32> = depths.iter().map(|&depth| data(depth)).collect();
     let mut random = Random::new(seed, STREAM + 2);
     let fragments = depths.into_iter().zip(datas);
-    let fragments: Vec<(u32, u32, u32)> = fragments
-        .map(|(depth, data)| (random.below(u64::from(pixels)) as u32, depth, data))
+    let mut fragments: Vec<Entry> = fragments
+        .map(|(depth, data)| Entry(random.below(u64::from(pixels)) as u32, depth, data, 0))
         .collect();
+    if contract.has_slabs() {
+        thicken(&mut fragments, &mut random);
+    }
     let inputs = declared.iter().map(|input| words(input, pixels, &fragments, &mut random));
     let inputs = inputs.collect();
     let table = contract.crosses().then(|| {
@@ -279,13 +283,23 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
     Litmus { pixels, k, room, fragments, helpers: 0, table, inputs }
 }
 
+/// Give fragments a thickness: none, or enough to reach another fragment's depth, just beyond it, or nearly so.
+fn thicken(fragments: &mut [Entry], random: &mut Random) {
+    for i in 0..fragments.len() {
+        let other = fragments[random.below(fragments.len() as u64) as usize].1;
+        let reach = fragments[i].1.saturating_sub(other);
+        fragments[i].3 = match random.below(5) {
+            0 => 0,
+            1 => 1,
+            2 => reach,
+            3 => reach.saturating_sub(1),
+            _ => reach.saturating_add(1),
+        };
+    }
+}
+
 /// Random words of an input.
-fn words(
-    input: &Declared,
-    pixels: u32,
-    fragments: &[(u32, u32, u32)],
-    random: &mut Random,
-) -> Vec<u32> {
+fn words(input: &Declared, pixels: u32, fragments: &[Entry], random: &mut Random) -> Vec<u32> {
     let tried = if input.tried.is_empty() { &[input.default][..] } else { input.tried };
     let count = match input.per {
         Per::Pixel => u64::from(pixels),

@@ -288,7 +288,7 @@ impl Survey {
         let n = plan.fragments_under(subject.contract, memory);
         let family = Family { fragments: n, ks: plan.ks.clone(), helpers: plan.helpers };
         let distinct = |litmus: &Litmus| {
-            let mut depths: Vec<u32> = litmus.fragments().map(|f| f.depth).collect();
+            let mut depths: Vec<u32> = litmus.fragments.iter().map(|f| f.1).collect();
             depths.dedup();
             depths.len() == n as usize && litmus.pixels == 1 && litmus.room >= n
         };

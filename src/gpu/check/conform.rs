@@ -263,7 +263,7 @@ impl<'a, 'd> Bench<'a, 'd> {
 
     fn compare(&self, litmus: &Litmus, sum: &mut Conformance) -> Result<()> {
         let Shape { contract, config, ref inputs, .. } = self.program.shape;
-        let fragments: Vec<Fragment> = litmus.fragments().collect();
+        let fragments: Vec<Fragment> = litmus.fragments(contract).collect();
         let orders: Vec<Vec<usize>> = permutations(fragments.len());
         let runs: Vec<Vec<Step>> =
             orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();

@@ -223,7 +223,7 @@ fn run(
     let mut fill = true;
     for repeat in 0..extent.repeats {
         for order in [Arrangement::Together, Arrangement::Apart, Arrangement::Shuffled] {
-            let fragments = order.arrange(litmus, repeat);
+            let fragments = order.arrange(contract, litmus, repeat);
             // The explorer tries both wherever a word is read that was never written.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
@@ -253,8 +253,8 @@ enum Arrangement {
 }
 
 impl Arrangement {
-    fn arrange(self, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
-        let own: Vec<Fragment> = litmus.fragments().collect();
+    fn arrange(self, contract: &Contract, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
+        let own: Vec<Fragment> = litmus.fragments(contract).collect();
         let on = |pixel: u32| move |f: &Fragment| Fragment { pixel, ..*f };
         let mut all: Vec<Fragment> = match self {
             Self::Apart => {

@@ -276,7 +276,8 @@ fn answer(
     let pixel = |(pixel, list): (usize, &Vec<u64>)| {
         let mut generated: Vec<u64> = list.iter().map(word).collect();
         generated.sort_unstable();
-        let mut kept = match promise.pixel(pixel as u32, &generated) {
+        let fragments: Vec<Fragment> = generated.iter().map(|&key| Fragment::of_key(key)).collect();
+        let mut kept = match promise.pixel(pixel as u32, &fragments) {
             Some(Held::Keys(keys)) => keys,
             // A twin emits a depth as a record without data, and none for no depth.
             Some(Held::Depth(Depth(depth))) if depth < u32::MAX => vec![key(depth, 0)],

@@ -153,7 +153,7 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
 /// A fragment as `shared/fragment.wgsl` has it.
 #[must_use]
 pub fn words_of(fragment: &Fragment) -> [u32; 4] {
-    [fragment.pixel, fragment.depth, fragment.data, 0]
+    [fragment.pixel, fragment.depth, fragment.data, fragment.extra]
 }
 
 /// A group of bindings, whose layout is known.

@@ -5,6 +5,8 @@
 //! so that the store pass fills a range from its end and the counters are zero when it is full. A pixel's fragments are
 //! sorted in a local array of 1,024 records; what a pixel has beyond is dropped by arrival.
 
+use std::ops::Range;
+
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::scheme::contract::{Keeps, Overflow};
@@ -78,33 +80,58 @@ impl Scheme for DynamicFragmentBuffer {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let counter = self.counter.at(fragment.pixel, 0);
-        let left = mem.add(counter, 1u32.wrapping_neg(), Order::Relaxed).await;
-        // The last to arrive find the local array full: the range is filled from its end.
-        let index = left.wrapping_sub(1);
-        let length = mem.plain_load(self.length.at(fragment.pixel, 0)).await;
-        let place = length.wrapping_sub(left);
-        if place >= MOST {
-            return Outcome::Overflow;
+        match self.place::<_, Self>(mem, fragment.pixel).await {
+            Ok(record) => {
+                mem.plain_store(self.records.at(record), fragment.key()).await;
+                Outcome::Kept
+            }
+            Err(outcome) => outcome,
         }
-        let (start, _) = self.ranges.start::<_, Self>(mem, fragment.pixel).await;
-        let record = start + u64::from(index);
-        if record >= self.records.count() {
-            return Outcome::Pool;
-        }
-        mem.plain_store(self.records.at(record), fragment.key()).await;
-        Outcome::Kept
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let length = mem.plain_load(self.length.at(pixel, 0)).await;
-        if length > 0 {
-            let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
-            let end = start + u64::from(length);
-            let begin = end.saturating_sub(u64::from(MOST)).max(start);
-            for record in begin..end.min(self.records.count()) {
-                keys.push(mem.plain_load(self.records.at(record)).await);
-            }
+        for record in self.range(mem, pixel).await {
+            keys.push(mem.plain_load(self.records.at(record)).await);
         }
+    }
+}
+
+impl DynamicFragmentBuffer {
+    /// Where a fragment of a pixel is stored; or why it is not.
+    #[inline(always)]
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub(in crate::scheme) async fn place<M: Memory, Caller>(
+        &self,
+        mem: &M,
+        pixel: u32,
+    ) -> Result<u64, Outcome> {
+        let left = mem.add(self.counter.at(pixel, 0), 1u32.wrapping_neg(), Order::Relaxed).await;
+        // The last to arrive find the local array full: the range is filled from its end.
+        let index = left.wrapping_sub(1);
+        let length = mem.plain_load(self.length.at(pixel, 0)).await;
+        let place = length.wrapping_sub(left);
+        if place >= MOST {
+            return Err(Outcome::Overflow);
+        }
+        let (start, _) = self.ranges.start::<_, Caller>(mem, pixel).await;
+        let record = start + u64::from(index);
+        if record < self.records.count() { Ok(record) } else { Err(Outcome::Pool) }
+    }
+
+    /// The records of a pixel.
+    pub(in crate::scheme) async fn range<M: Memory>(&self, mem: &M, pixel: u32) -> Range<u64> {
+        let length = mem.plain_load(self.length.at(pixel, 0)).await;
+        if length == 0 {
+            return 0..0;
+        }
+        let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
+        let end = start + u64::from(length);
+        let begin = end.saturating_sub(u64::from(MOST)).max(start);
+        begin..end.min(self.records.count())
+    }
+
+    /// The words of the records: keys.
+    pub(in crate::scheme) fn records(&self) -> Words<Global, Plain, u64> {
+        self.records
     }
 }

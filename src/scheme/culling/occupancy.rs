@@ -21,7 +21,7 @@
 use std::collections::BTreeSet;
 use std::marker::PhantomData;
 
-use crate::fragment::{Fragment, depth_of};
+use crate::fragment::Fragment;
 use crate::memory::{Atomic, Declared, Input, Inputs, Layout, Memory, Order, Per, Pixel, Words};
 use crate::scheme::contract::{Form, Keeps};
 use crate::scheme::program::{Barrier, Pass, PassKind, Program};
@@ -214,8 +214,8 @@ impl<V: Variant> Scheme for Occupancy<V> {
         Outcome::Merged
     }
 
-    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[u64]) -> Option<Depth> {
-        let depths: Vec<u32> = generated.iter().map(|&key| depth_of(key)).collect();
+    fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Depth> {
+        let depths: Vec<u32> = generated.iter().map(|f| f.depth).collect();
         let (Some(&near), Some(&far)) = (depths.first(), depths.last()) else {
             return Some(Depth::default());
         };
@@ -323,7 +323,8 @@ mod tests {
             let mut layout = Layout::default();
             let scheme = <Occupancy as Scheme>::new(&config, &mut layout);
             let inputs = Inputs::defaults(&layout);
-            let keys: Vec<u64> = depths.iter().map(|&z| u64::from(z) << 32).collect();
+            let keys: Vec<Fragment> =
+                depths.iter().map(|&z| Fragment::of_key(u64::from(z) << 32)).collect();
             let Depth(bound) = scheme.expected(&inputs, 0, &keys).unwrap();
             let within = depths.iter().filter(|&&z| z <= bound).count();
             prop_assert!(within >= depths.len().min(k as usize), "{within} within {bound}");

@@ -4,7 +4,7 @@
 //! Entries are sorted front to back; an insertion shifts what is farther and lets the last one fall out. WGSL has no
 //! interlock.
 
-use crate::scheme::contract::{Keeps, StoreOrder};
+use crate::scheme::contract::{Extra, Keeps};
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
@@ -51,7 +51,7 @@ const CONTRACT: Contract = Contract {
     needs: "the ordered interlock; invocations of a pixel are started in order",
     max_k: MAX_K as u32,
     source: include_str!("kb_ps.rs"),
-    store_order: StoreOrder::Interlock,
+    extra: Extra::Rank,
     ..Contract::new("kb-ps", Keeps::Nearest)
 };
 
@@ -97,7 +97,7 @@ impl<V: Variant> Scheme for KbPixelSync<V> {
         let mark = mem.mark();
         loop {
             let turn = mem.block();
-            if self.interlock.turn(mem, fragment).await == fragment.rank {
+            if self.interlock.turn(mem, fragment).await == fragment.extra {
                 if !V::STAYS {
                     self.interlock.leave(mem, fragment).await;
                 }

@@ -9,7 +9,7 @@
 use crate::fragment::Fragment;
 use crate::fragment::key;
 use crate::memory::{Layout, Memory, Pixel, Plain, Words};
-use crate::scheme::contract::{Demand, Dependence, Form, Keeps, Overflow, StoreOrder};
+use crate::scheme::contract::{Demand, Dependence, Extra, Form, Keeps, Overflow};
 use crate::scheme::parts::interlock::Interlock;
 use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
 
@@ -43,7 +43,7 @@ impl Scheme for KbStencilRouted {
         max_k: MAX_SAMPLES,
         demand: Demand::MaxDepthComplexity,
         source: include_str!("kb_sr.rs"),
-        store_order: StoreOrder::Interlock,
+        extra: Extra::Rank,
         dependence: Dependence::Arrival,
         ..Contract::new("kb-sr", Keeps::FirstArrivals)
     };
@@ -75,7 +75,7 @@ impl Scheme for KbStencilRouted {
         let mark = mem.mark();
         loop {
             let turn = mem.block();
-            if self.interlock.turn(mem, fragment).await == fragment.rank {
+            if self.interlock.turn(mem, fragment).await == fragment.extra {
                 let mut outcome = Outcome::Overflow;
                 for i in 0..self.samples {
                     let stencil = mem.plain_load(self.stencil.at(pixel, i)).await;

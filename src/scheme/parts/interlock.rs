@@ -8,7 +8,7 @@
 //! ```text
 //! let mark = mem.mark();
 //! loop {
-//!     if interlock.turn(mem, fragment).await == fragment.rank {
+//!     if interlock.turn(mem, fragment).await == fragment.extra {
 //!         ...;
 //!         interlock.leave(mem, fragment).await;
 //!         return
@@ -54,6 +54,6 @@ impl Interlock {
     #[inline(always)]
     #[track_caller]
     pub fn leave<M: Memory>(self, mem: &M, fragment: Fragment) -> impl Future<Output = ()> + Unpin {
-        mem.store(self.0.at(fragment.pixel, 0), fragment.rank + 1, Order::Release)
+        mem.store(self.0.at(fragment.pixel, 0), fragment.extra + 1, Order::Release)
     }
 }

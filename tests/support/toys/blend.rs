@@ -1,7 +1,7 @@
 //! A method without lists: blending by weighted average (Bavoil, Myers, "Order independent transparency with dual depth
 //! peeling", 2008, section on single-pass approximations). A pixel holds sums of integers, which no order changes.
 
-use fragloom::fragment::{Fragment, data_of};
+use fragloom::fragment::Fragment;
 use fragloom::memory::{Atomic, Inputs, Layout, Memory, Order, Pixel, Words};
 use fragloom::render::Data;
 use fragloom::scheme::contract::{Form, Limit};
@@ -68,10 +68,10 @@ impl<const ATOMIC: bool> Scheme for BlendAverage<ATOMIC> {
         Outcome::Merged
     }
 
-    fn expected(&self, _: &Inputs, _: u32, generated: &[u64]) -> Option<Light> {
+    fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Light> {
         let mut sums = [0; 5];
-        for key in generated {
-            let terms = terms(data_of(*key));
+        for fragment in generated {
+            let terms = terms(fragment.data);
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
         Some(average(sums))

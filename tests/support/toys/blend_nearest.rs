@@ -68,7 +68,7 @@ impl Scheme for BlendNearest {
         *light = blend(keys.into_iter().take_while(|&key| key != EMPTY));
     }
 
-    fn expected(&self, _: &Inputs, _: u32, generated: &[u64]) -> Option<Light> {
-        Some(blend(generated.iter().copied().take(self.k as usize)))
+    fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Light> {
+        Some(blend(generated.iter().map(|f| f.key()).take(self.k as usize)))
     }
 }

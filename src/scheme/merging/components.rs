@@ -1,0 +1,117 @@
+//! What order-independent merging gives, as a function of a pixel's slabs alone: slabs that overlap, or are linked by
+//! others that do, are one component; the nearest components are records, and the rest is the tail.
+//!
+//! No method can give that in bounded memory, in one pass: when 2k slabs that lie apart have come in, a last one may
+//! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
+//! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
+
+use super::sums::{Integers, Logarithms, Mix, Sums};
+use super::{Merging, sums};
+use crate::scheme::{Record, Records};
+
+/// A fragment's slab as it is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Stored {
+    /// The depth word of its far end.
+    pub depth: u32,
+    /// Its colour word.
+    pub data: u32,
+    /// The depth word of its near end.
+    pub near: u32,
+}
+
+/// A record of merged slabs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Merged {
+    /// The depth word of its near end.
+    pub near: u32,
+    /// The depth word of its far end.
+    pub depth: u32,
+    /// What it looks like.
+    pub sums: Sums,
+}
+
+impl Merged {
+    /// Both as one.
+    #[inline]
+    #[must_use]
+    pub fn with<M: Mix>(self, new: Self) -> Self {
+        Self {
+            near: self.near.min(new.near),
+            depth: self.depth.max(new.depth),
+            sums: M::mix(self.sums, new.sums),
+        }
+    }
+
+    /// As it leaves the method.
+    #[must_use]
+    pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
+        let Self { near, depth, sums } = *self;
+        let thickness = if near < depth { merging.along(depth) - merging.along(near) } else { 0.0 };
+        Record { depth, thickness, rgba: M::rgba(sums), weight: sums::weight(sums).into() }
+    }
+}
+
+impl Stored {
+    fn alone(self, logarithms: &Logarithms) -> Merged {
+        let sums = Integers::one(self.data, logarithms);
+        Merged { near: self.near, depth: self.depth, sums }
+    }
+
+    fn is_thick(&self) -> bool {
+        self.near < self.depth
+    }
+}
+
+/// The components, nearest first, of slabs in canonical order.
+#[must_use]
+pub fn components(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merged> {
+    let mut thick: Vec<Stored> = slabs.iter().copied().filter(Stored::is_thick).collect();
+    thick.sort_unstable_by_key(|slab| (slab.near, *slab));
+    let mut all: Vec<Merged> = Vec::new();
+    for slab in thick {
+        let alone = slab.alone(logarithms);
+        match all.last_mut().filter(|last| slab.near < last.depth) {
+            Some(last) => *last = last.with::<Integers>(alone),
+            None => all.push(alone),
+        }
+    }
+    // A surface overlaps nothing.
+    all.extend(slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone(logarithms)));
+    all.sort_by_key(|merged| (merged.depth, Integers::word(merged.sums)));
+    all
+}
+
+/// At most `k` records: the nearest components, and the rest as a tail.
+#[must_use]
+pub fn with_tail(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
+    let k = k as usize;
+    if all.len() > k {
+        let rest: Vec<Merged> = all.drain(k - 1..).collect();
+        all.extend(rest.into_iter().reduce(Merged::with::<Integers>));
+    }
+    all
+}
+
+/// Records as they leave a method, with the fragments merged into others.
+#[must_use]
+pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
+    let weights: u64 = all.iter().map(|merged| u64::from(sums::weight(merged.sums))).sum();
+    let list: Vec<Record> = all.iter().map(|merged| merged.record::<M>(merging)).collect();
+    Records { merged: weights.saturating_sub(list.len() as u64) as u32, list }
+}
+
+/// Whether at most `most` of these slabs, in canonical order, lie apart from each other: then no more records than that
+/// can exist at any time, whatever the order of arrival.
+#[must_use]
+pub fn never_overflows(slabs: &[Stored], most: u32) -> bool {
+    let mut apart = slabs.iter().filter(|slab| !slab.is_thick()).count();
+    // The one that ends first leaves the most room behind it.
+    let mut end = 0;
+    for slab in slabs.iter().filter(|slab| slab.is_thick()) {
+        if slab.near >= end {
+            (apart, end) = (apart + 1, slab.depth);
+        }
+    }
+    apart <= most as usize
+}

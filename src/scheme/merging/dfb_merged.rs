@@ -1,0 +1,256 @@
+//! Merging in resolve: a dynamic fragment buffer (`dfb`) with the near end of every slab, whose resolve sorts a pixel's
+//! fragments and merges them.
+//!
+//! `dfb+sfm` merges smoothly, in depth order, by Algorithm 1; what has no room goes behind the last record by OVER.
+//! `dfb+ofm` merges by overlap alone: what `skb+ofm` would give if it had room for everything. Both are functions of a
+//! pixel's fragments.
+//!
+//! The form `@released` is that of the authors' shaders: visibilities are stored as four bytes, and β counts for the
+//! front part of a cut slab alone.
+
+use std::marker::PhantomData;
+
+use super::components::{Stored, components, records, with_tail};
+use super::slab::{Slab, merge_sorted};
+use super::sums::{Integers, Logarithms, logarithms};
+use super::{Blending, Merging, merging};
+use crate::fragment::{Fragment, data_of, depth_of};
+use crate::memory::{Global, Inputs, Layout, Memory, Plain, Words};
+use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
+use crate::scheme::contract::{Form, Overflow};
+use crate::scheme::parts::ranges;
+use crate::scheme::{Config, Contract, Outcome, Record, Records, Scheme};
+
+/// What resolve makes of a pixel's fragments.
+pub trait Merge: Send + Sync + Sized + 'static {
+    /// What it promises.
+    const CONTRACT: Contract;
+
+    /// From the configuration.
+    fn new(config: &Config) -> Self;
+
+    /// The records of slabs in canonical order.
+    fn merge(&self, slabs: &[Stored]) -> Records;
+}
+
+/// The method.
+#[derive(Debug)]
+pub struct DfbMerged<M> {
+    store: DynamicFragmentBuffer,
+    near: Words<Global, Plain, u32>,
+    merge: M,
+}
+
+const CONTRACT: Contract = {
+    let counted = ranges::counted("", crate::scheme::Keeps::Merged);
+    Contract {
+        words: "3",
+        frame_words: "3S + G + H",
+        program: counted.program,
+        needs: counted.needs,
+        wgsl: None,
+        demand: counted.demand,
+        ties: "canonical: the smaller data word is nearer",
+        overflow: Overflow::Drops("beyond 1024 at a pixel, drop by arrival, counted"),
+        source: include_str!("dfb_merged.rs"),
+        ..merging("")
+    }
+};
+
+impl<M: Merge> Scheme for DfbMerged<M> {
+    const CONTRACT: Contract = M::CONTRACT;
+
+    type Holds = Records;
+
+    fn new(config: &Config, layout: &mut Layout) -> Self {
+        let store = DynamicFragmentBuffer::new(config, layout);
+        Self { store, near: layout.global(config.bounded), merge: M::new(config) }
+    }
+
+    async fn clear_frame<Mem: Memory>(&self, mem: &Mem) {
+        self.store.clear_frame(mem).await;
+    }
+
+    async fn clear<Mem: Memory>(&self, mem: &Mem, pixel: u32) {
+        self.store.clear(mem, pixel).await;
+    }
+
+    async fn prepare<Mem: Memory>(&self, mem: &Mem, pass: usize, fragment: Fragment) {
+        self.store.prepare(mem, pass, fragment).await;
+    }
+
+    async fn screen<Mem: Memory>(&self, mem: &Mem, pass: usize, pixel: u32) {
+        self.store.screen(mem, pass, pixel).await;
+    }
+
+    fn invocations(&self, pass: usize) -> u32 {
+        self.store.invocations(pass)
+    }
+
+    async fn frame<Mem: Memory>(&self, mem: &Mem, pass: usize, index: u32) {
+        self.store.frame(mem, pass, index).await;
+    }
+
+    /// Whatever it is merged with later, a fragment is stored: resolve counts what it merges.
+    async fn store<Mem: Memory>(&self, mem: &Mem, fragment: Fragment) -> Outcome {
+        match self.store.place::<_, Self>(mem, fragment.pixel).await {
+            Ok(record) => {
+                mem.plain_store(self.store.records().at(record), fragment.key()).await;
+                mem.plain_store(self.near.at(record), fragment.extra).await;
+                Outcome::Kept
+            }
+            Err(outcome) => outcome,
+        }
+    }
+
+    fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
+        Some(self.merge.merge(&stored(generated)))
+    }
+
+    async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
+        let range = self.store.range(mem, pixel).await;
+        if range.is_empty() {
+            return;
+        }
+        let mut slabs = Vec::with_capacity((range.end - range.start) as usize);
+        for record in range {
+            let key = mem.plain_load(self.store.records().at(record)).await;
+            let near = mem.plain_load(self.near.at(record)).await;
+            slabs.push(Stored { depth: depth_of(key), data: data_of(key), near });
+        }
+        slabs.sort_unstable();
+        *out = self.merge.merge(&slabs);
+    }
+}
+
+/// Fragments in canonical order, as they are stored.
+pub(super) fn stored(generated: &[Fragment]) -> Vec<Stored> {
+    let slab = |f: &Fragment| Stored { depth: f.depth, data: f.data, near: f.extra };
+    generated.iter().map(slab).collect()
+}
+
+/// By overlap.
+#[derive(Debug)]
+pub struct Overlapping {
+    k: u32,
+    merging: Merging,
+    logarithms: Box<Logarithms>,
+}
+
+impl Merge for Overlapping {
+    const CONTRACT: Contract = Contract {
+        name: "dfb+ofm",
+        title: "dynamic fragment buffer; resolve merges overlapping slabs, whatever their order",
+        section: "3.2.2, 3.3.2; the components of the overlap are ours",
+        exact_when: "k >= f(p) and no slabs overlap",
+        ..CONTRACT
+    };
+
+    fn new(config: &Config) -> Self {
+        Self { k: config.k.unwrap_or(8), merging: config.merging, logarithms: logarithms() }
+    }
+
+    fn merge(&self, slabs: &[Stored]) -> Records {
+        let all = with_tail(components(slabs, &self.logarithms), self.k);
+        records::<Integers>(&all, &self.merging)
+    }
+}
+
+/// How a form of smooth merging differs from the right one.
+pub trait Smoothing: Send + Sync + Sized + 'static {
+    /// What it promises.
+    const CONTRACT: Contract;
+
+    /// How slabs are put together; β is the run's.
+    const BLENDING: Blending;
+}
+
+/// Smoothly, in depth order.
+#[derive(Debug)]
+pub struct Smooth<S = Correct> {
+    most: usize,
+    merging: Merging,
+    blending: Blending,
+    form: PhantomData<S>,
+}
+
+impl<S: Smoothing> Merge for Smooth<S> {
+    const CONTRACT: Contract = S::CONTRACT;
+
+    fn new(config: &Config) -> Self {
+        let blending = Blending { beta: config.merging.beta, ..S::BLENDING };
+        let most = config.k.unwrap_or(8) as usize;
+        Self { most, merging: config.merging, blending, form: PhantomData }
+    }
+
+    fn merge(&self, slabs: &[Stored]) -> Records {
+        let mut out: Vec<Slab> = Vec::new();
+        let sorted = slabs.iter().map(|s| self.merging.slab(s.depth, s.near, s.data));
+        merge_sorted(sorted, self.most, &self.blending, &mut out);
+        let merged = (slabs.len() - out.len()) as u32;
+        Records { list: out.iter().map(Record::from).collect(), merged }
+    }
+}
+
+/// As it must be.
+const RIGHT: Blending = Blending {
+    beta: 1.0,
+    closed: false,
+    front_only: false,
+    eight_bits: false,
+    mixed_tail: false,
+    squared: false,
+};
+
+const SMOOTH: Contract = Contract {
+    name: "dfb+sfm",
+    title: "dynamic fragment buffer; resolve merges overlapping slabs smoothly",
+    section: "3.2.1, 3.3, 4.3, Algorithm 1",
+    exact_when: "k >= f(p) and no slabs overlap",
+    ..CONTRACT
+};
+
+macro_rules! smoothings {
+    ($($(#[$doc:meta])* $name:ident: $contract:expr, $blending:expr;)*) => {$(
+        $(#[$doc])*
+        #[derive(Debug)]
+        pub struct $name;
+
+        impl Smoothing for $name {
+            const CONTRACT: Contract = $contract;
+            const BLENDING: Blending = $blending;
+        }
+    )*};
+}
+
+const fn fault(name: &'static str, title: &'static str) -> Contract {
+    Contract { name, title, form: Form::Mutation, ..SMOOTH }
+}
+
+smoothings! {
+    /// The method.
+    Correct: SMOOTH, RIGHT;
+    /// As in the authors' shaders.
+    Released: Contract {
+        name: "dfb+sfm@released",
+        title: "as the authors' shaders: four bytes, and beta for the front part alone",
+        section: "the authors' shaders",
+        form: Form::Published,
+        ..SMOOTH
+    }, Blending { eight_bits: true, front_only: true, ..RIGHT };
+    /// Four bytes in mid-stream.
+    EightBits: fault("dfb+sfm@M15", "Fault M15: visibilities are rounded to 8 bits in mid-stream"),
+        Blending { eight_bits: true, ..RIGHT };
+    /// Slabs that touch are merged.
+    Closed: fault("dfb+sfm@closed", "Fault closed: slabs that only touch are merged"),
+        Blending { closed: true, ..RIGHT };
+    /// β on one part only.
+    FrontOnly: fault("dfb+sfm@front-beta", "Fault front-beta: beta counts for the front part alone"),
+        Blending { front_only: true, ..RIGHT };
+    /// Thickness squared instead of split.
+    Squared: fault("dfb+sfm@squared", "Fault squared: shares of the thickness are squared"),
+        Blending { squared: true, ..RIGHT };
+    /// The tail is mixed where OVER is due.
+    MixedTail: fault("dfb+sfm@mixed-tail", "Fault mixed-tail: the tail is mixed, not put behind"),
+        Blending { mixed_tail: true, ..RIGHT };
+}
