@@ -19,8 +19,8 @@ use fragloom::explore::program::controls::CONTROLS;
 use fragloom::explore::verdict::claims::claim_by_id;
 use fragloom::explore::verdict::matrix::{Fate, Kill, Line, matrix};
 use fragloom::explore::{
-    Conditions, Family, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Progress, Property,
-    Subject, Survey, Token, Verdict, check, cut, explore, properties, replay,
+    Conditions, Entry, Family, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Progress,
+    Property, Subject, Survey, Token, Verdict, check, cut, explore, properties, replay,
 };
 use fragloom::fragment::{data_of, depth_of, key, pair_key};
 use fragloom::num::depth::Format;
@@ -175,7 +175,8 @@ fn ha32_keeps_two_layers() {
 
 /// Three fragments of distinct depths.
 fn three(k: Option<u32>) -> Litmus {
-    let fragments = vec![(0, 0, 0x30), (0, 0x1000_0000, 0x20), (0, FARTHEST, 0x10)];
+    let fragments =
+        vec![Entry(0, 0, 0x30, 0), Entry(0, 0x1000_0000, 0x20, 0), Entry(0, FARTHEST, 0x10, 0)];
     Litmus { pixels: 1, k, room: 3, fragments, helpers: 0, table: None, inputs: Vec::new() }
 }
 
@@ -207,7 +208,7 @@ fn by_hand(litmus: &Litmus) -> BTreeSet<Vec<u64>> {
             list.sort_unstable();
             results.insert(list);
         }
-        for (i, &(_, depth, data)) in litmus.fragments.iter().enumerate() {
+        for (i, &Entry(_, depth, data, _)) in litmus.fragments.iter().enumerate() {
             let (mut words, mut invocations) = (words, invocations);
             let (steps, own) = &mut invocations[i];
             match *steps {

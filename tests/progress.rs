@@ -5,8 +5,8 @@
 use fragloom::catalogue;
 use fragloom::explore::search::progress::ends;
 use fragloom::explore::{
-    Conditions, Explored, Finding, Limits, Litmus, MemoryModel, Plan, Progress, Property, Subject,
-    Token, Verdict, check, explore, replay, termination,
+    Conditions, Entry, Explored, Finding, Limits, Litmus, MemoryModel, Plan, Progress, Property,
+    Subject, Token, Verdict, check, explore, replay, termination,
 };
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Words};
@@ -204,7 +204,7 @@ impl<const IDIOM: usize> Scheme for Waits<IDIOM> {
 }
 
 fn instance(n: u32, k: Option<u32>) -> Litmus {
-    let fragments = (0..n).map(|i| (0, FARTHEST, i)).collect();
+    let fragments = (0..n).map(|i| Entry(0, FARTHEST, i, 0)).collect();
     Litmus { pixels: 1, k, room: n, fragments, helpers: 0, table: None, inputs: Vec::new() }
 }
 

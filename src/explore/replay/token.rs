@@ -40,11 +40,17 @@ enum Wire {
     Scene(SceneToken),
     /// A litmus pixel of a method with inputs, and their words.
     WithInputs(LitmusToken, Vec<Vec<u32>>),
+    /// A litmus pixel whose fragments are slabs: the words of inputs, and every fragment's thickness.
+    WithSlabs(LitmusToken, Vec<Vec<u32>>, Vec<u32>),
 }
 
 impl From<&Token> for Wire {
     fn from(token: &Token) -> Self {
         match token {
+            Token::Litmus(token) if token.litmus.fragments.iter().any(|f| f.3 > 0) => {
+                let thickness = token.litmus.fragments.iter().map(|f| f.3).collect();
+                Self::WithSlabs(token.clone(), token.litmus.inputs.clone(), thickness)
+            }
             Token::Litmus(token) if !token.litmus.inputs.is_empty() => {
                 Self::WithInputs(token.clone(), token.litmus.inputs.clone())
             }
@@ -61,6 +67,12 @@ impl From<Wire> for Token {
             Wire::Scene(token) => Self::Scene(token),
             Wire::WithInputs(mut token, inputs) => {
                 token.litmus.inputs = inputs;
+                Self::Litmus(token)
+            }
+            Wire::WithSlabs(mut token, inputs, thickness) => {
+                token.litmus.inputs = inputs;
+                let own = token.litmus.fragments.iter_mut().zip(thickness);
+                own.for_each(|(fragment, thickness)| fragment.3 = thickness);
                 Self::Litmus(token)
             }
         }
