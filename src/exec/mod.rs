@@ -21,6 +21,7 @@ pub mod drive;
 pub mod frame;
 pub mod interpret;
 pub mod method;
+pub mod one_pixel;
 pub mod oracle;
 pub mod promise;
 pub mod sim;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::check::inherit;
+use super::laws::{Law, Tried};
 use super::plan::Plan;
 use super::survey::{Survey, properties};
 use super::{Finding, Scope, Verdict};
@@ -33,6 +34,9 @@ pub struct Claim {
     /// The properties that make up the claim: it is violated if one of them is.
     #[serde(skip)]
     properties: &'static [Property],
+    /// Or a law that is tried on a grid of instances, whatever the memory model.
+    #[serde(skip)]
+    law: Option<Law>,
 }
 
 /// Which k a claim is about.
@@ -59,7 +63,7 @@ const fn claim(
     statement: &'static str,
     methods: &'static [&'static str],
 ) -> Claim {
-    Claim { id, paper, section, statement, methods, ks: Ks::Planned, properties: RESULT }
+    Claim { id, paper, section, statement, methods, ks: Ks::Planned, properties: RESULT, law: None }
 }
 
 /// C1 to C16.
@@ -227,9 +231,44 @@ pub const CLAIMS: &[Claim] = &[
             &["occupancy", "occupancy@near-end", "occupancy@one-too-near", "occupancy@ends-early"],
         )
     },
-    claim("C14", THICKNESS, "4", "OFM does not depend on the order of arrival", &[]),
-    claim("C15", THICKNESS, "4", "SFM subdivision restores the original visibility", &[]),
-    claim("C16", THICKNESS, "4", "surfaces of equal depth blend without speckle", &[]),
+    Claim {
+        properties: &[Property::OneOutcome, Property::Keeps],
+        ..claim(
+            "C14",
+            THICKNESS,
+            "3.2.2, 4.1.2",
+            "merging by overlap does not depend on the order of arrival",
+            &[
+                "dfb+ofm",
+                "skb+ofm",
+                "skb+ofm@published",
+                "skb+ofm@released",
+                "skb+ofm@first-overlap",
+                "skb+ofm@M10",
+                "skb+ofm@M15",
+            ],
+        )
+    },
+    Claim {
+        law: Some(Law::Restores),
+        ..claim(
+            "C15",
+            THICKNESS,
+            "3.3.1, equations 3 to 5",
+            "the parts of a slab over each other look like the slab: merged with something invisible, it is what it was",
+            &["dfb+sfm", "dfb+sfm@released", "dfb+sfm@front-beta", "dfb+sfm@M15"],
+        )
+    },
+    Claim {
+        law: Some(Law::Blends),
+        ..claim(
+            "C16",
+            THICKNESS,
+            "3.1",
+            "surfaces of equal depth blend smoothly: which of them is one depth code nearer makes no difference to speak of",
+            &["dfb+sfm", "dfb+ofm", "skb+ofm", "skb+ofm@released", "dfb", "kplus-array"],
+        )
+    },
 ];
 
 /// The claim of that name.
@@ -269,6 +308,10 @@ impl Claim {
         for method in methods {
             let begin = rows.len();
             let subject = Subject::new(catalogue.find("METHOD", method)?)?;
+            if let Some(law) = self.law {
+                rows.push(self.tried(&subject, &law.on(&subject)));
+                continue;
+            }
             for &memory in &plan.memory {
                 let n = plan.fragments_under(subject.contract, memory);
                 let ks = match self.ks {
@@ -303,6 +346,23 @@ impl Claim {
         }
         row.claim = Some(self.id.to_owned());
         row
+    }
+
+    /// What a law's grid showed of a method.
+    fn tried(&self, subject: &Subject, tried: &Tried) -> Finding {
+        let Tried { instances, grid, most, bound, instance, .. } = tried;
+        let verdict = if tried.holds() { Verdict::Verified } else { Verdict::Violated };
+        let message = format!("at most {most:.3e} off, allowed are {bound:.3e}");
+        Finding {
+            method: subject.method.name().to_owned(),
+            verdict,
+            bound: format!("{instances} instances: {grid}"),
+            memory: "any".to_owned(),
+            instance: if tried.holds() { String::new() } else { instance.clone() },
+            executions: Some(*instances),
+            message,
+            ..self.undecided()
+        }
     }
 
     fn undecided(&self) -> Finding {

@@ -5,6 +5,7 @@ pub mod check;
 pub mod claims;
 pub mod endings;
 pub mod expect;
+mod laws;
 pub mod matrix;
 pub mod plan;
 pub mod survey;

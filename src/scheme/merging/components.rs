@@ -5,7 +5,7 @@
 //! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
 //! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
 
-use super::sums::{Integers, Logarithms, Mix, Sums};
+use super::sums::{Logarithms, Mix, Sums};
 use super::{Merging, sums};
 use crate::scheme::{Record, Records};
 
@@ -53,8 +53,8 @@ impl Merged {
 }
 
 impl Stored {
-    fn alone(self, logarithms: &Logarithms) -> Merged {
-        let sums = Integers::one(self.data, logarithms);
+    fn alone<M: Mix>(self, logarithms: &Logarithms) -> Merged {
+        let sums = M::one(self.data, logarithms);
         Merged { near: self.near, depth: self.depth, sums }
     }
 
@@ -65,30 +65,32 @@ impl Stored {
 
 /// The components, nearest first, of slabs in canonical order.
 #[must_use]
-pub fn components(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merged> {
+pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merged> {
     let mut thick: Vec<Stored> = slabs.iter().copied().filter(Stored::is_thick).collect();
     thick.sort_unstable_by_key(|slab| (slab.near, *slab));
     let mut all: Vec<Merged> = Vec::new();
     for slab in thick {
-        let alone = slab.alone(logarithms);
+        let alone = slab.alone::<M>(logarithms);
         match all.last_mut().filter(|last| slab.near < last.depth) {
-            Some(last) => *last = last.with::<Integers>(alone),
+            Some(last) => *last = last.with::<M>(alone),
             None => all.push(alone),
         }
     }
     // A surface overlaps nothing.
-    all.extend(slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone(logarithms)));
-    all.sort_by_key(|merged| (merged.depth, Integers::word(merged.sums)));
+    all.extend(
+        slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone::<M>(logarithms)),
+    );
+    all.sort_by_key(|merged| (merged.depth, M::word(merged.sums)));
     all
 }
 
 /// At most `k` records: the nearest components, and the rest as a tail.
 #[must_use]
-pub fn with_tail(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
+pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
     let k = k as usize;
     if all.len() > k {
         let rest: Vec<Merged> = all.drain(k - 1..).collect();
-        all.extend(rest.into_iter().reduce(Merged::with::<Integers>));
+        all.extend(rest.into_iter().reduce(Merged::with::<M>));
     }
     all
 }

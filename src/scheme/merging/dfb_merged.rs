@@ -31,6 +31,11 @@ pub trait Merge: Send + Sync + Sized + 'static {
 
     /// The records of slabs in canonical order.
     fn merge(&self, slabs: &[Stored]) -> Records;
+
+    /// The records that it is held to.
+    fn promised(&self, slabs: &[Stored]) -> Records {
+        self.merge(slabs)
+    }
 }
 
 /// The method.
@@ -104,7 +109,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
-        Some(self.merge.merge(&stored(generated)))
+        Some(self.merge.promised(&stored(generated)))
     }
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
@@ -151,7 +156,8 @@ impl Merge for Overlapping {
     }
 
     fn merge(&self, slabs: &[Stored]) -> Records {
-        let all = with_tail(components(slabs, &self.logarithms), self.k);
+        let all = components::<Integers>(slabs, &self.logarithms);
+        let all = with_tail::<Integers>(all, self.k);
         records::<Integers>(&all, &self.merging)
     }
 }
@@ -184,9 +190,22 @@ impl<S: Smoothing> Merge for Smooth<S> {
     }
 
     fn merge(&self, slabs: &[Stored]) -> Records {
+        self.merge_by(&self.blending, slabs)
+    }
+
+    /// A fault is held to what the right form gives.
+    fn promised(&self, slabs: &[Stored]) -> Records {
+        let right = Blending { beta: self.blending.beta, ..RIGHT };
+        let faulty = S::CONTRACT.form == Form::Mutation;
+        self.merge_by(if faulty { &right } else { &self.blending }, slabs)
+    }
+}
+
+impl<S> Smooth<S> {
+    fn merge_by(&self, blending: &Blending, slabs: &[Stored]) -> Records {
         let mut out: Vec<Slab> = Vec::new();
         let sorted = slabs.iter().map(|s| self.merging.slab(s.depth, s.near, s.data));
-        merge_sorted(sorted, self.most, &self.blending, &mut out);
+        merge_sorted(sorted, self.most, blending, &mut out);
         let merged = (slabs.len() - out.len()) as u32;
         Records { list: out.iter().map(Record::from).collect(), merged }
     }
