@@ -171,7 +171,8 @@ impl<K: Kind> SkbOfm<K> {
     /// The records of slabs that may come in any order.
     fn settled<M: Mix>(&self, slabs: &[Stored]) -> Option<Records> {
         let all = components::<M>(slabs, &self.logarithms);
-        let settled = never_overflows(slabs, self.k - 1) || all.len() == slabs.len();
+        let apart = all.len() == slabs.len();
+        let settled = self.k == 1 || apart || never_overflows(slabs, self.k - 1);
         settled.then(|| records::<M>(&with_tail::<M>(all, self.k), &self.merging))
     }
 
