@@ -159,8 +159,9 @@ mod paper {
             let left = x.z - from;
             let (middle, back) =
                 split(rest, if left > 0.0 { (to - from) / left } else { 1.0 }, beta);
-            let all = front[3] + middle[3] + back[3];
-            let share = if all > 0.0 { x.a * middle[3] / all } else { 0.0 };
+            // What the middle adds to the whole: front OVER middle less front.
+            let whole = clamped(x.v)[3];
+            let share = if whole > 0.0 { x.a * (1.0 - front[3]) * middle[3] / whole } else { 0.0 };
             (front, (middle, share), back)
         };
         let (f_front, f_middle, f_back) = cut(f, fn_);

@@ -129,7 +129,8 @@ fn of_contract(contract: &Contract, family: &Family, n: u32) -> Vec<Litmus> {
                 for relations in patterns(n, pixels) {
                     let sorted = fragments(&relations, &places, contract);
                     let helpers = family.helpers.min(n);
-                    for thick in thicknesses(&sorted, contract) {
+                    let few = pixels > 1 || room < n || n > ALL_PATTERNS;
+                    for thick in thicknesses(&sorted, contract, few) {
                         for fragments in arrivals(thick, contract) {
                             let (table, inputs) = (None, Vec::new());
                             all.push(Litmus { pixels, k, room, fragments, helpers, table, inputs });
@@ -252,52 +253,47 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
     all
 }
 
-/// The thicknesses to try, for a method with slabs. A slab may be a surface, touch the next nearer depth, reach just
-/// beyond it, or beyond the one after that. Of up to two fragments all choices; of more, those that reach alike or in
-/// turns, and every third of the others for three.
-fn thicknesses(sorted: &[Entry], contract: &Contract) -> Vec<Vec<Entry>> {
+/// The thicknesses to try, for a method with slabs. A slab may be a surface (0), touch the next nearer depth (1), reach
+/// just beyond it (2), or beyond the one after that (3): by the digits of a choice, one for each fragment in turn. Where
+/// other things are varied (`few`), all reach beyond the next.
+fn thicknesses(sorted: &[Entry], contract: &Contract, few: bool) -> Vec<Vec<Entry>> {
+    const CHOICES: [[usize; 4]; 9] = [
+        [2, 2, 2, 2],
+        [0, 0, 0, 0],
+        [1, 1, 1, 1],
+        [3, 3, 3, 3],
+        [2, 0, 2, 0],
+        [0, 2, 0, 2],
+        [0, 0, 3, 3],
+        [3, 2, 3, 1],
+        [0, 3, 0, 0],
+    ];
     if !contract.has_slabs() {
         return vec![sorted.to_vec()];
     }
     let mut depths: Vec<u32> = sorted.iter().map(|f| f.1).collect();
     depths.dedup();
     let reach = |f: &Entry, choice: usize| {
-        let level = depths.iter().position(|&depth| depth == f.1).unwrap_or(0);
+        let level = depths.partition_point(|&depth| depth < f.1);
         let to = |before: usize| f.1 - level.checked_sub(before).map_or(0, |at| depths[at]);
-        match choice {
-            0 => 0,
-            1 => {
-                if level > 0 {
-                    to(1)
-                } else {
-                    1
-                }
-            }
-            2 => {
-                if level > 0 {
-                    to(1) + 1
-                } else {
-                    2
-                }
-            }
+        match (choice, level) {
+            (0, _) => 0,
+            // There is nothing nearer.
+            (1 | 2, 0) => choice as u32,
+            (1, _) => to(1),
+            (2, _) => to(1) + 1,
             _ => to(2).saturating_add(1).min(f.1),
         }
     };
-    let n = sorted.len();
-    let choices: Vec<usize> = match n {
-        ..=2 => (0..4usize.pow(n as u32)).collect(),
-        3 => (0..64).filter(|i| i % 3 == 0 || [21, 42].contains(i)).collect(),
-        // Base 4: alike, and in turns.
-        _ => [0x0000, 0x1111, 0x2222, 0x3333, 0x2020, 0x0202, 0x3232, 0x0030, 0x0203]
-            .map(|digits| (0..8).fold(0, |sum, i| sum | (digits >> (4 * (i % 4)) & 3) << (2 * i)))
-            .to_vec(),
+    let of = |choice: &[usize; 4]| {
+        let thick = |(f, &choice): (&Entry, &usize)| {
+            let Entry(pixel, depth, data, _) = *f;
+            Entry(pixel, depth, data, reach(f, choice))
+        };
+        sorted.iter().zip(choice.iter().cycle()).map(thick).collect()
     };
-    let of = |choice: usize| {
-        let thick =
-            |(i, f): (usize, &Entry)| Entry(f.0, f.1, f.2, reach(f, choice >> (2 * (i % 8)) & 3));
-        sorted.iter().enumerate().map(thick).collect()
-    };
-    let mut all: Vec<Vec<Entry>> = choices.into_iter().map(of).collect();
+    let choices = if few { &CHOICES[..1] } else { &CHOICES };
+    let mut all: Vec<Vec<Entry>> = choices.iter().map(of).collect();
     all.sort_unstable();
     all.dedup();
     all

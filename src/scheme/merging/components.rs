@@ -43,6 +43,13 @@ impl Merged {
         }
     }
 
+    /// What comes first is nearer: by depth, then by colour word, then by the near end.
+    #[inline]
+    #[must_use]
+    pub fn order<M: Mix>(&self) -> (u32, u32, u32) {
+        (self.depth, M::word(self.sums), self.near)
+    }
+
     /// As it leaves the method.
     #[must_use]
     pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
@@ -80,7 +87,7 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
     all.extend(
         slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone::<M>(logarithms)),
     );
-    all.sort_by_key(|merged| (merged.depth, M::word(merged.sums)));
+    all.sort_by_key(Merged::order::<M>);
     all
 }
 

@@ -219,7 +219,7 @@ impl<K: Kind> SkbOfm<K> {
                 let [one, other] = [i, farthest];
                 let one = merged(self.get(mem, pixel, one).await);
                 let other = merged(self.get(mem, pixel, other).await);
-                farther = K::Mix::word(one.sums) > K::Mix::word(other.sums);
+                farther = one.order::<K::Mix>() > other.order::<K::Mix>();
             }
             if farther {
                 (farthest, first, second) = (i, depth, first);
@@ -241,8 +241,8 @@ impl<K: Kind> SkbOfm<K> {
             count += 1;
         } else {
             let record = merged(self.get(mem, pixel, farthest).await);
-            let key = |merged: Merged| (merged.depth, K::Mix::word(merged.sums));
-            if K::TAIL == Tail::NotEvicting || key(own) >= key(record) {
+            let nearer = own.order::<K::Mix>() < record.order::<K::Mix>();
+            if K::TAIL == Tail::NotEvicting || !nearer {
                 return Some(own);
             }
             (place, left, first) = (farthest, Some(record), second);

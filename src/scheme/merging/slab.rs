@@ -9,7 +9,10 @@
 //!   β)(1 - (1 - A)^t), with the colour in proportion (3). A part between two shares is what lies up to the second less
 //!   what lies up to the first, divided by what the first lets through (5), so that the parts over each other are the
 //!   slab again. Both cuts of a slab in three are measured on the whole slab.
-//! * Mix: what overlaps wholly contributes by its own sum of opacities, whatever the order (6 to 8).
+//! * Mix: what overlaps wholly contributes by its own sum of opacities, whatever the order (6 to 8). When a slab is cut,
+//!   its sum is divided by what each part adds to the opacity of the whole. (Divided by the parts' own opacities, a part
+//!   of an opaque slab that is a thousandth as thick would count as much as the rest, and two opaque surfaces one depth
+//!   code apart would be mixed two to one: claim C16 would not hold.)
 //! * Over: one in front of the other.
 //!
 //! Slabs that touch do not overlap, so one of thickness 0 overlaps nothing. An opacity of 1 has no inside: where a slab
@@ -159,9 +162,13 @@ impl Slab {
             self.visibility.between(from, to, if from > 0.0 { rest } else { beta }),
             self.visibility.between(to, 1.0, rest),
         ];
-        let all: f64 = (parts[0].opacity + parts[1].opacity) + parts[2].opacity;
-        let part = |v: Visibility| if all > 0.0 { self.sum * (v.opacity / all) } else { 0.0 };
-        parts.map(|v| (blending.stored(v), part(v)))
+        // What each part adds to the opacity of the whole: the thinner it is, the less it counts.
+        let whole = self.visibility.clamped();
+        let [before, behind] = [from, to].map(|share| whole.opacity_to(share, beta));
+        let adds = [before, behind - before, whole.opacity - behind];
+        let part =
+            |adds: f64| if whole.opacity > 0.0 { self.sum * (adds / whole.opacity) } else { 0.0 };
+        std::array::from_fn(|i| (blending.stored(parts[i]), part(adds[i])))
     }
 
     /// Smooth merging (section 3.2.1): this one and another that overlaps it and is not nearer, as one.
