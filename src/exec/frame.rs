@@ -136,6 +136,9 @@ impl PixelCounts {
     }
 }
 
+/// Merged records of a pixel that room is made for: the `-k` that is usual.
+const USUAL: u32 = 8;
+
 /// Takes a tile's pixels in storage order: sorts, composites and accounts for them.
 pub struct Finisher<'a> {
     job: &'a Job<'a>,
@@ -156,6 +159,9 @@ impl<'a> Finisher<'a> {
 
     /// Make room for the keys of a tile with these counts.
     pub fn reserve(&mut self, generated: &[u32]) {
+        if let Column::Records(records) = &mut self.output.column {
+            records.reserve(generated.iter().map(|&g| g.min(USUAL) as usize).sum());
+        }
         let Column::Keys(keys) = &mut self.output.column else { return };
         let first = self.tile * self.job.front.grid.pixels_per_tile();
         let most = |(i, &g): (usize, &u32)| self.job.nearest.cut(first + i, g as usize);

@@ -1,5 +1,7 @@
 //! What a pixel holds after resolve: a list of fragments, a list of merged records, or a colour or a depth and no list.
 
+use std::cmp::Ordering;
+
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
 pub type Keys = Vec<u64>;
 
@@ -55,19 +57,27 @@ impl Default for Depth {
 }
 
 impl Record {
-    /// Surfaces of one depth have the canonical order of their fragments: by colour word.
-    fn bits(&self) -> [u64; 8] {
+    fn bits(&self) -> [u64; 7] {
         let [r, g, b, a] = self.rgba.map(f64::to_bits);
-        let (depth, color) = (self.depth.into(), self.color().into());
-        [depth, color, self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
+        [self.depth.into(), self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
+    }
+
+    /// By depth. Surfaces of one depth have the canonical order of their fragments: by colour word.
+    #[inline]
+    fn order(&self, other: &Self) -> Ordering {
+        self.depth.cmp(&other.depth).then_with(|| {
+            self.color().cmp(&other.color()).then_with(|| self.bits().cmp(&other.bits()))
+        })
     }
 
     /// One fragment as a surface: a stored depth and a colour word (RGBA8).
+    #[inline]
     #[must_use]
     pub fn surface(depth: u32, color: u32) -> Self {
-        let [r, g, b, a] = color.to_le_bytes().map(f64::from);
-        let premultiplied = |c: f64| a * c / 65_025.0;
-        let rgba = [premultiplied(r), premultiplied(g), premultiplied(b), a / 255.0];
+        let [r, g, b, a] = color.to_le_bytes();
+        let alpha = f64::from(a);
+        let premultiplied = |c: u8| alpha * f64::from(c) / 65_025.0;
+        let rgba = [premultiplied(r), premultiplied(g), premultiplied(b), alpha / 255.0];
         Self { depth, thickness: 0.0, rgba, weight: 1.0 }
     }
 
@@ -86,6 +96,10 @@ impl Light {
         let [r, g, b] = self.color.map(f64::to_bits);
         [r, g, b, self.transmittance.to_bits(), self.kept.into()]
     }
+
+    fn order(&self, other: &Self) -> Ordering {
+        self.bits().cmp(&other.bits())
+    }
 }
 
 macro_rules! compared_by_bits {
@@ -99,14 +113,14 @@ macro_rules! compared_by_bits {
         impl Eq for $type {}
 
         impl PartialOrd for $type {
-            fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+            fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
                 Some(self.cmp(other))
             }
         }
 
         impl Ord for $type {
-            fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-                self.bits().cmp(&other.bits())
+            fn cmp(&self, other: &Self) -> Ordering {
+                self.order(other)
             }
         }
 

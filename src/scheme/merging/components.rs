@@ -51,6 +51,8 @@ impl Merged {
     }
 
     /// As it leaves the method.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "once for every record")]
     #[must_use]
     pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
         let Self { near, depth, sums } = *self;
@@ -105,9 +107,16 @@ pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
 /// Records as they leave a method, with the fragments merged into others.
 #[must_use]
 pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
-    let weights: u64 = all.iter().map(|merged| u64::from(sums::weight(merged.sums))).sum();
-    let list: Vec<Record> = all.iter().map(|merged| merged.record::<M>(merging)).collect();
-    Records { merged: weights.saturating_sub(list.len() as u64) as u32, list }
+    let mut records = Records::default();
+    all.iter().for_each(|merged| add::<M>(&mut records, merged, merging));
+    records
+}
+
+/// Add a record as it leaves a method, and count the fragments merged into it.
+#[inline]
+pub fn add<M: Mix>(records: &mut Records, merged: &Merged, merging: &Merging) {
+    records.list.push(merged.record::<M>(merging));
+    records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 
 /// Whether at most `most` of these slabs, in canonical order, lie apart from each other: then no more records than that

@@ -52,6 +52,7 @@ impl Eq for Merging {}
 
 impl Merging {
     /// The distance of a depth word.
+    #[inline]
     #[must_use]
     pub fn along(&self, depth: u32) -> f64 {
         self.planes.along(self.format.decode(depth))

@@ -24,7 +24,7 @@
 use std::future::Future;
 use std::marker::PhantomData;
 
-use super::components::{Merged, Stored, components, never_overflows, records, with_tail};
+use super::components::{Merged, Stored, add, components, never_overflows, records, with_tail};
 use super::dfb_merged::stored;
 use super::sums::{Bytes, Floats, Integers, Logarithms, Mix, logarithms};
 use super::{Merging, merging};
@@ -156,14 +156,14 @@ impl<K: Kind> Scheme for SkbOfm<K> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, out: &mut Records) {
         let count = mem.plain_load(self.count.at(pixel, 0)).await;
-        let mut all = Vec::with_capacity(count as usize + 1);
         for i in 0..count.min(self.k - 1) {
-            all.push(merged(self.get(mem, pixel, i).await));
+            let record = merged(self.get(mem, pixel, i).await);
+            add::<K::Mix>(out, &record, &self.merging);
         }
         if self.is_there(mem, pixel, self.k - 1).await != 0 {
-            all.push(merged(self.get(mem, pixel, self.k - 1).await));
+            let record = merged(self.get(mem, pixel, self.k - 1).await);
+            add::<K::Mix>(out, &record, &self.merging);
         }
-        *out = records::<K::Mix>(&all, &self.merging);
     }
 }
 

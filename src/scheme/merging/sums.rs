@@ -91,29 +91,24 @@ pub struct Integers;
 impl Mix for Integers {
     #[inline]
     fn one(data: u32, logarithms: &Logarithms) -> Sums {
-        let [r, g, b, a] = data.to_le_bytes().map(u32::from);
+        let (a, rest) = (data >> 24, data & 0xFF_FFFF);
+        let (r, g, b) = (rest & 0xFF, rest >> 8 & 0xFF, rest >> 16);
         [pair(a * r, a * g), pair(a * b, a), pair(logarithms[a as usize], 1)]
     }
 
     #[inline]
     fn mix(stored: Sums, new: Sums) -> Sums {
-        [0, 1, 2].map(|i| add(stored[i], new[i]))
+        [add(stored[0], new[0]), add(stored[1], new[1]), add(stored[2], new[2])]
     }
 
+    #[inline]
     fn rgba([rg, ba, log]: Sums) -> [f64; 4] {
-        let colors = [low(rg), high(rg), low(ba)].map(f64::from);
+        let (r, g, b) = (f64::from(low(rg)), f64::from(high(rg)), f64::from(low(ba)));
         let alphas = f64::from(high(ba));
         if high(log) == 1 {
-            let [r, g, b] = colors.map(|c| c / 65_025.0);
-            return [r, g, b, alphas / 255.0];
+            return [r / 65_025.0, g / 65_025.0, b / 65_025.0, alphas / 255.0];
         }
-        if high(ba) == 0 {
-            return [0.0; 4];
-        }
-        let through = libm::exp2(-f64::from(low(log)) / f64::from(1 << POINT));
-        let opacity = 1.0 - through;
-        let [r, g, b] = colors.map(|c| c / (255.0 * alphas) * opacity);
-        [r, g, b, opacity]
+        mixed([r, g, b], alphas, low(log))
     }
 
     #[inline]
@@ -125,6 +120,18 @@ impl Mix for Integers {
         let byte = |sum: u32| sum.checked_div(a).unwrap_or(0) as u8;
         u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8])
     }
+}
+
+/// The colour and opacity of several fragments, from their sums (equations 6 and 7).
+#[inline(never)]
+fn mixed(colors: [f64; 3], alphas: f64, log: u32) -> [f64; 4] {
+    if alphas == 0.0 {
+        return [0.0; 4];
+    }
+    let through = libm::exp2(-f64::from(log) / f64::from(1 << POINT));
+    let opacity = 1.0 - through;
+    let [r, g, b] = colors.map(|c| c / (255.0 * alphas) * opacity);
+    [r, g, b, opacity]
 }
 
 /// The recurrence (8) in single precision, as published: colour and opacity, and the sum of opacities.
