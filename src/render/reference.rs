@@ -38,15 +38,43 @@ pub struct Reference {
 pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let exact = Options { counters: false, ..options.exact(None) };
     let all = render(scene, &exact)?.lists()?.clone();
-    let k = options.k.or(options.method.contract().default_k);
     let grid = Grid { width: all.width, height: all.height, tile: options.tile };
-    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let kept = promise(scene, options, &grid, |promise| {
+        kept(&all, &grid, options.method.holds(), promise)
+    })?;
+    Ok(Reference { all, kept })
+}
+
+/// What the method of `options` must hold at pixel (x, y), where room and arrival do not matter; `generated` are all
+/// fragments of the pixel in canonical order, in the words that the method stores. `None` if the method does not
+/// specify what it approximates.
+///
+/// # Errors
+/// As [`render()`].
+pub fn promised(
+    scene: &Scene,
+    options: &Options,
+    [x, y]: [u32; 2],
+    generated: &[u64],
+) -> Result<Option<Held>> {
+    let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
+    promise(scene, options, &grid, |promise| promise.pixel(grid.pixel(x, y), generated))
+}
+
+/// Ask what a method promises on a scene.
+fn promise<T>(
+    scene: &Scene,
+    options: &Options,
+    grid: &Grid,
+    ask: impl FnOnce(&Promise<'_>) -> T,
+) -> Result<T> {
+    let k = options.k.or(options.method.contract().default_k);
+    let front = FrontEnd::new(scene, *grid, options.sub_pixel_bits, options.cull_face);
     let (config, _, _) = configure(&front, options, k)?;
+    let k = config.k;
     let instance = options.method.instance(&config);
     let HeldTo { inputs, nearest, .. } = held_to(instance.as_deref(), scene, options, &front, k)?;
-    let promise = Promise::new(options.method, instance.as_deref(), &inputs, nearest);
-    let kept = kept(&all, &grid, options.method.holds(), &promise);
-    Ok(Reference { all, kept })
+    Ok(ask(&Promise::new(options.method, instance.as_deref(), &inputs, nearest)))
 }
 
 /// What all pixels must hold, row by row; `None` if it is unspecified for one of them.
