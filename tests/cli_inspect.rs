@@ -8,7 +8,8 @@ mod support;
 use serde_json::Value;
 use support::Dir;
 
-const LINE: &str = "inspect layers:count=6 --size 20x12 --pixel 9,4 -k 3 -m kplus-array,z-buffer,ab-ll";
+const LINE: &str =
+    "inspect layers:count=6 --size 20x12 --pixel 9,4 -k 3 -m kplus-array,z-buffer,ab-ll";
 
 #[test]
 fn the_document_has_every_key() {
@@ -85,7 +86,8 @@ fn plots_are_written_by_their_ending() {
     let svg = String::from_utf8(dir.read("a.svg")).unwrap();
     assert_eq!(svg.matches("<polyline").count(), 4);
     assert!(svg.contains("kplus-array, k = 3") && svg.contains("pixel 9,4"));
-    let mut reader = png::Decoder::new(std::io::Cursor::new(dir.read("b.png"))).read_info().unwrap();
+    let mut reader =
+        png::Decoder::new(std::io::Cursor::new(dir.read("b.png"))).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
     assert_eq!((info.width, info.height), (1_440, 880));

@@ -50,9 +50,9 @@ fn fragments_are_in_canonical_order_with_their_distances() {
         assert_eq!((fragment.index, &fragment.object), (i, &None));
         assert_eq!(u64::from(fragment.depth), key >> 32);
         assert_eq!(fragment.rgba, (*key as u32).to_le_bytes());
-        // Perspective, near 0.1, far 100.
         let z = f64::from(fragment.depth) / f64::from(u32::MAX);
-        assert_eq!(fragment.distance, (0.1 * 100.0) / (100.0 - z * (100.0 - 0.1)));
+        let [near, far] = [scene.camera.near, scene.camera.far];
+        assert_eq!(fragment.distance, (near * far) / (far - z * (far - near)), "a perspective");
     }
     let mut triangles: Vec<u32> = found.fragments.iter().map(|f| f.triangle / 2).collect();
     triangles.sort_unstable();
@@ -93,7 +93,8 @@ fn the_exact_colour_is_the_oracles() {
             let image = draw(&scene, &exact).image;
             let middle = [scene.size[0] / 2, scene.size[1] / 2];
             for pixel in [[0, 0], middle, [11, 6]] {
-                let found = inspect(&scene, std::slice::from_ref(&exact), pixel).expect("inspected");
+                let found =
+                    inspect(&scene, std::slice::from_ref(&exact), pixel).expect("inspected");
                 assert_eq!(found.exact.color, image.pixel(pixel[0], pixel[1]), "{}", scene.name);
                 assert_eq!(found.methods[0].difference, 0);
                 assert!(fates(&found.methods[0]).iter().all(|&fate| fate == Became::Kept));
@@ -105,7 +106,8 @@ fn the_exact_colour_is_the_oracles() {
 #[test]
 fn the_nearest_are_kept_and_the_rest_is_beyond() {
     let scene = layers(6);
-    for (name, k, near) in [("kplus-array", Some(3), 3), ("z-buffer", None, 1), ("exact", Some(2), 2)]
+    for (name, k, near) in
+        [("kplus-array", Some(3), 3), ("z-buffer", None, 1), ("exact", Some(2), 2)]
     {
         let found = look(&scene, options(name, k));
         for (i, fate) in found.fates.iter().enumerate() {
@@ -135,16 +137,14 @@ fn one_way_to_go_has_a_name() {
         look(&scene(path.to_str().expect("text"), [20, 12]), options("kplus-array", Some(2)))
     };
     let back: Vec<&str> = depths.iter().rev().copied().collect();
-    assert_eq!(fates(&drawn("front.toml", &depths))[1..], [
-        Became::Kept,
-        Became::Culled,
-        Became::Culled
-    ]);
-    assert_eq!(fates(&drawn("back.toml", &back))[1..], [
-        Became::Kept,
-        Became::Evicted,
-        Became::Evicted
-    ]);
+    assert_eq!(
+        fates(&drawn("front.toml", &depths))[1..],
+        [Became::Kept, Became::Culled, Became::Culled]
+    );
+    assert_eq!(
+        fates(&drawn("back.toml", &back))[1..],
+        [Became::Kept, Became::Evicted, Became::Evicted]
+    );
 }
 
 /// Whatever `kb` loses, the sums of fates are the fragments, and its list is what was kept.
@@ -183,7 +183,10 @@ fn fragments_of_one_depth_are_told_apart() {
     let some = look(options("kplus-array", Some(2)));
     assert_eq!(fates(&some.methods[0])[..2], [Became::Kept; 2]);
     let one = look(options("depth-peel@published", None));
-    assert_eq!((count(&one.methods[0], Became::Kept), count(&one.methods[0], Became::Lost)), (1, 2));
+    assert_eq!(
+        (count(&one.methods[0], Became::Kept), count(&one.methods[0], Became::Lost)),
+        (1, 2)
+    );
 }
 
 /// The two nearest layers become one record, which stands at the second.

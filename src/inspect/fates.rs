@@ -1,7 +1,7 @@
 //! What became of each fragment of a pixel that holds a list of fragments, or a colour.
 
+use super::found::{Became, Fate};
 use super::gone::Facts;
-use super::{Became, Fate};
 use crate::fragment::depth_of;
 use crate::scheme::Keeps;
 use crate::scheme::parts::visible::is_hidden;

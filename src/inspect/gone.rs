@@ -1,7 +1,7 @@
 //! How a fragment went that is gone, as far as the frame's accounting tells. It counts fragments of the whole frame: if
 //! all of them went in one way, so did this one.
 
-use super::{Became, Fate};
+use super::found::{Became, Fate};
 use crate::render::{Options, Report};
 
 /// What is known of a method's run.

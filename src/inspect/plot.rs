@@ -1,6 +1,6 @@
 //! The absorbance along the ray as a plot (Figure 13 of the z-thickness paper).
 
-use super::{Inspected, Inspection};
+use super::found::{Inspected, Inspection};
 use crate::image::plot::{Curve, Plot, Stroke};
 
 /// What is shown before the nearest corner and behind the farthest, as a part of what lies between.

@@ -1,8 +1,8 @@
 //! Which merged record a fragment went into, as far as it can be told: a record tells its far end, how far it reaches
 //! from there towards the eye, and how many fragments it stands for.
 
+use super::found::{Became, Fate, Generated};
 use super::gone::Facts;
-use super::{Became, Fate, Generated};
 use crate::scheme::Record;
 
 /// Weights are sums of shares, which were rounded.

@@ -54,6 +54,10 @@ const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
 /// From one name in the legend to the next.
 const LINE: f64 = 18.0;
+/// From the legend's left edge to its names: a stroke of the curve stands before each.
+const SAMPLE: f64 = 30.0;
+/// The width of a letter in the legend, about.
+const LETTER: f64 = 8.0;
 
 /// Colours that most eyes can distinguish (Okabe, Ito 2008), without the yellow.
 const COLORS: [[u8; 3]; 7] = [
@@ -104,6 +108,30 @@ impl Plot {
         let (low, high) = (of(0).fold(f64::MAX, f64::min), of(0).fold(f64::MIN, f64::max));
         let x = if low <= high { Axis::new(low, high) } else { Axis::new(0.0, 1.0) };
         Axes { x, y: Axis::new(0.0, of(1).fold(0.0, f64::max)) }
+    }
+}
+
+impl Plot {
+    /// Where the legend's first name stands: at the top left, or at the bottom right if a curve passes there and none
+    /// passes here.
+    fn legend(&self, axes: &Axes) -> [f64; 2] {
+        let longest = self.curves.iter().map(|curve| curve.name.chars().count()).max();
+        let size = [SAMPLE + LETTER * longest.unwrap_or(0) as f64, LINE * self.curves.len() as f64];
+        let top_left = [LEFT + 12.0, TOP];
+        let bottom_right = [SIZE[0] - RIGHT - 12.0 - size[0], SIZE[1] - BOTTOM - 10.0 - size[1]];
+        let is_free = |[left, top]: [f64; 2]| {
+            let passes = |pair: &[[f64; 2]]| {
+                let [from, to] = [axes.place(pair[0]), axes.place(pair[1])];
+                let apart = |axis: usize, low: f64| {
+                    from[axis].max(to[axis]) < low || from[axis].min(to[axis]) > low + size[axis]
+                };
+                !apart(0, left) && !apart(1, top)
+            };
+            !self.curves.iter().any(|curve| curve.points.windows(2).any(passes))
+        };
+        let [left, top] =
+            if is_free(top_left) || !is_free(bottom_right) { top_left } else { bottom_right };
+        [left, top + 16.0]
     }
 }
 
@@ -229,5 +257,19 @@ mod tests {
                 assert!(!styles[..i].contains(style), "{stroke:?} {i}");
             }
         }
+    }
+
+    /// A curve that rises at once passes the top left, one that rises late the bottom right.
+    #[test]
+    fn the_legend_stands_where_no_curve_passes() {
+        let plot = |points: [[f64; 2]; 3]| {
+            let curve = Curve { points: points.to_vec(), ..Curve::new("curve") };
+            Plot { curves: vec![curve], ..Plot::default() }
+        };
+        let legend = |plot: &Plot| plot.legend(&plot.axes());
+        let late = legend(&plot([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]));
+        let early = legend(&plot([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0]]));
+        assert!(late[0] < 100.0 && late[1] < 100.0, "{late:?}");
+        assert!(early[0] > 600.0 && early[1] > 350.0, "{early:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! A plot as a picture, two pixels for every unit of the SVG drawing. Ends of lines are rounded to pixels; what lies
 //! between them is integer arithmetic.
 
-use super::{Axes, BOTTOM, LEFT, LINE, Plot, RIGHT, SIZE, Style, TOP};
+use super::{Axes, BOTTOM, LINE, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
 use crate::image::Image;
 use crate::image::canvas::{BODY, Canvas, INK, QUIET, TITLE};
 use embedded_graphics::mono_font::MonoFont;
@@ -34,13 +34,14 @@ impl Plot {
         let axes = self.axes();
         self.letters(&mut canvas);
         rules(&mut canvas, &axes);
+        let [left, top] = self.legend(&axes);
         for (i, (curve, style)) in self.styled().enumerate() {
             let points = curve.points.iter().map(|&point| pixel(axes.place(point)));
             line(&mut canvas, &points.collect::<Vec<_>>(), style);
-            let down = TOP + 16.0 + LINE * i as f64;
-            let ends = [LEFT + 12.0, LEFT + 36.0].map(|across| pixel([across, down - 4.0]));
+            let down = top + LINE * i as f64;
+            let ends = [left, left + SAMPLE - 6.0].map(|across| pixel([across, down - 4.0]));
             line(&mut canvas, &ends, Style { width: style.width + 1, ..style });
-            write(&mut canvas, [LEFT + 42.0, down], Anchor::Start, &curve.name, &BODY);
+            write(&mut canvas, [left + SAMPLE, down], Anchor::Start, &curve.name, &BODY);
         }
         canvas.into_image()
     }

@@ -1,6 +1,6 @@
 //! A plot as SVG.
 
-use super::{LEFT, LINE, Plot, RIGHT, SIZE, Style, TOP};
+use super::{LINE, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
 
 impl Plot {
     /// The drawing, as SVG.
@@ -33,6 +33,7 @@ impl Plot {
             line(rule([across, down], [SIZE[0] - RIGHT, down]));
             line(label(across - 8.0, down + 4.0, "end", &axes.y.number(tick)));
         }
+        let [left, top] = self.legend(&axes);
         for (i, (curve, style)) in self.styled().enumerate() {
             let points = curve.points.iter().map(|&point| {
                 let [across, down] = axes.place(point);
@@ -44,16 +45,16 @@ impl Plot {
                 "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{dashes}/>",
                 style.width
             ));
-            let down = TOP + 16.0 + LINE * i as f64;
+            let down = top + LINE * i as f64;
             line(format!(
                 "<line x1=\"{0:.1}\" y1=\"{1:.1}\" x2=\"{2:.1}\" y2=\"{1:.1}\" stroke=\"{color}\" \
                  stroke-width=\"{3}\"{dashes}/>",
-                LEFT + 12.0,
+                left,
                 down - 4.0,
-                LEFT + 36.0,
+                left + SAMPLE - 6.0,
                 style.width + 1
             ));
-            line(label(LEFT + 42.0, down, "start", &curve.name));
+            line(label(left + SAMPLE, down, "start", &curve.name));
         }
         text + "</svg>\n"
     }
