@@ -7,9 +7,9 @@ mod toys;
 
 use fragloom::inspect::{Became, Inspected, Inspection, inspect};
 use fragloom::num::depth::Format;
-use fragloom::render::{Data, Effect, Options, Policy, Shadows, reference};
+use fragloom::render::{Data, Effect, Exec, Options, Shadows, Sim, reference};
 use fragloom::scene::Scene;
-use support::{draw, options, scene, sim, small_scenes};
+use support::{draw, options, scene, small_scenes};
 
 const PIXEL: [u32; 2] = [9, 4];
 
@@ -64,7 +64,7 @@ fn objects_are_named() {
     let scene = scene("box", [32, 32]);
     let found = inspect(&scene, &[Options::default()], [16, 16]).expect("inspected");
     assert_eq!(found.fragments.len(), 2);
-    assert!(found.fragments.iter().all(|fragment| fragment.object == Some("box".to_owned())));
+    assert!(found.fragments.iter().all(|fragment| fragment.object == Some("a".to_owned())));
 }
 
 #[test]
@@ -153,7 +153,8 @@ fn a_race_loses_fragments() {
     let scene = layers(6);
     let mut lost = 0;
     for seed in 0..8 {
-        let racing = Options { exec: sim(Policy::Random, seed), ..options("kb", Some(6)) };
+        let racing =
+            Options { exec: Exec::Sim(Sim { seed, ..Sim::default() }), ..options("kb", Some(6)) };
         let list = draw(&scene, &racing).lists().expect("lists").pixel(PIXEL[0], PIXEL[1]).len();
         let found = look(&scene, racing);
         assert_eq!(found.fates.len(), 6);
