@@ -72,7 +72,7 @@
 //! checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `catalogue` → `effect` → `render` → `explore` → `gpu` → `report` → `reproduce` → `cli`
+//! `catalogue` → `effect` → `render` → `inspect` → `explore` → `gpu` → `report` → `reproduce` → `cli`
 
 pub mod catalogue;
 pub mod cli;
@@ -84,6 +84,7 @@ pub mod fragment;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod image;
+pub mod inspect;
 pub mod memory;
 pub mod num;
 pub mod raster;

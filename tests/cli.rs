@@ -17,6 +17,7 @@ fn help_exists_for_the_program_and_every_command() {
     for command in [
         "render",
         "compare",
+        "inspect",
         "check",
         "replay",
         "claims",

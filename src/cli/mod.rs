@@ -21,7 +21,7 @@ use clap::{CommandFactory, Parser};
 
 use crate::catalogue::Catalogue;
 use crate::error::Result;
-use draw::{bench, compare, render};
+use draw::{bench, compare, inspect, render};
 #[cfg(feature = "gpu")]
 use list::adapters;
 use list::{claims, methods, mutations, scenes};
@@ -50,6 +50,8 @@ enum Command {
     Render(Box<render::Args>),
     /// Draw a scene with several methods and compare each with the exact reference.
     Compare(Box<compare::Args>),
+    /// Draw a scene with some methods and show one pixel: its fragments, what became of each, and the absorbance.
+    Inspect(Box<inspect::Args>),
     /// Explore interleavings; say what is verified, violated or unknown.
     Check(Box<check::Args>),
     /// Replay a failing schedule.
@@ -110,6 +112,7 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
     match command {
         Command::Render(args) => render::run(catalogue, args),
         Command::Compare(args) => compare::run(catalogue, args),
+        Command::Inspect(args) => inspect::run(catalogue, args),
         Command::Check(args) => check::run(catalogue, args),
         Command::Replay(args) => replay::run(catalogue, args),
         Command::Bench(args) => bench::run(catalogue, args),

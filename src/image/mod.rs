@@ -1,9 +1,10 @@
-//! Pictures as bytes: RGBA8 images, their hash, PNG files, differences and comparison sheets. Nothing here knows how a
-//! picture was made.
+//! Pictures as bytes: RGBA8 images, their hash, PNG files, differences, comparison sheets and plots. Nothing here knows
+//! how a picture was made.
 
 mod canvas;
 pub mod difference;
 pub mod heat;
+pub mod plot;
 pub mod png;
 pub mod ramp;
 pub mod sheet;

@@ -1,6 +1,7 @@
 //! From packets to fragments: depth by the plane, data by the surface.
 
 use super::front::FrontEnd;
+use super::primitive::Rect;
 use super::shade::Surface;
 use crate::fragment::{Data, Fragment, Packet};
 use crate::num::depth::Format;
@@ -123,6 +124,26 @@ impl FrontEnd {
             let extra = slabs.map_or(0, |slabs| format.encode(slabs.code(code)));
             let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy, depth));
             batch.push(Fragment { pixel, depth, data, extra });
+        }
+    }
+
+    /// Call `emit` for every fragment of pixel (x, y), with its global triangle index, in submission order. The
+    /// fragments' storage pixel is 0.
+    pub fn fragments_of_pixel(
+        &self,
+        [x, y]: [u32; 2],
+        record: Record,
+        mut emit: impl FnMut(u32, Fragment),
+    ) {
+        let window = Rect { x0: x, y0: y, x1: x + 1, y1: y + 1 };
+        let mut batch = Batch::default();
+        for (index, primitive) in (0..).zip(self.primitives()) {
+            self.primitive_packets(index, window, |packet| {
+                self.fragments(packet, record, 0, &mut batch);
+                for fragment in batch.fragments() {
+                    emit(primitive.triangle, Fragment { pixel: 0, ..*fragment });
+                }
+            });
         }
     }
 

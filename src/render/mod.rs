@@ -47,7 +47,7 @@ pub use importance::{
 };
 pub use inputs::Given;
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
-pub use reference::{Reference, reference};
+pub use reference::{Reference, promised, reference};
 pub use report::{Report, ShadowReport};
 pub use table::{TableOptions, TableReport};
 

@@ -41,21 +41,59 @@ pub struct Reference {
 pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let exact = Options { counters: false, ..options.exact(None) };
     let all = render(scene, &exact)?.lists()?.clone();
-    let k = options.k.or(options.method.contract().default_k);
     let grid = Grid { width: all.width, height: all.height, tile: options.tile };
-    let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
+    let kept = promise(scene, options, &grid, |promise, front| {
+        let slabs = slabs(front, options);
+        let generated = |x: u32, y: u32| match slabs.get(grid.pixel(x, y) as usize) {
+            Some(slabs) => slabs.clone(),
+            None => all.pixel(x, y).iter().map(|&key| Fragment::of_key(key)).collect(),
+        };
+        kept(&generated, &grid, options.method.holds(), promise)
+    })?;
+    Ok(Reference { all, kept })
+}
+
+/// What the method of `options` must hold at pixel (x, y), where room and arrival do not matter; `generated` are all
+/// fragments of the pixel in canonical order, in the words that the method stores. `None` if the method does not
+/// specify what it approximates.
+///
+/// # Errors
+/// As [`render()`].
+pub fn promised(
+    scene: &Scene,
+    options: &Options,
+    [x, y]: [u32; 2],
+    generated: &[u64],
+) -> Result<Option<Held>> {
+    let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
+    promise(scene, options, &grid, |promise, front| {
+        let pixel = grid.pixel(x, y);
+        let per_tile = grid.pixels_per_tile();
+        let fragments = if options.method.contract().has_slabs() {
+            let mut tile = exact::slabs(front, pixel as usize / per_tile, options.record());
+            tile.swap_remove(pixel as usize % per_tile)
+        } else {
+            generated.iter().map(|&key| Fragment::of_key(key)).collect()
+        };
+        promise.pixel(pixel, &fragments)
+    })
+}
+
+/// Ask what a method promises on a scene.
+fn promise<T>(
+    scene: &Scene,
+    options: &Options,
+    grid: &Grid,
+    ask: impl FnOnce(&Promise<'_>, &FrontEnd) -> T,
+) -> Result<T> {
+    let k = options.k.or(options.method.contract().default_k);
+    let front = FrontEnd::new(scene, *grid, options.sub_pixel_bits, options.cull_face);
     let front = configure::thick(front, scene, options);
     let (config, _, _) = configure(&front, options, k)?;
+    let k = config.k;
     let instance = options.method.instance(&config);
     let HeldTo { inputs, nearest, .. } = held_to(instance.as_deref(), scene, options, &front, k)?;
-    let promise = Promise::new(options.method, instance.as_deref(), &inputs, nearest);
-    let slabs = slabs(&front, options);
-    let generated = |x: u32, y: u32| match slabs.get(grid.pixel(x, y) as usize) {
-        Some(slabs) => slabs.clone(),
-        None => all.pixel(x, y).iter().map(|&key| Fragment::of_key(key)).collect(),
-    };
-    let kept = kept(&generated, &grid, options.method.holds(), &promise);
-    Ok(Reference { all, kept })
+    Ok(ask(&Promise::new(options.method, instance.as_deref(), &inputs, nearest), &front))
 }
 
 /// By storage pixel, its fragments, for a method whose fragments are slabs.

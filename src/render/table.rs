@@ -67,7 +67,8 @@ impl TableOptions {
     }
 
     /// The transmittance (65,535 is all) below which the opacity is above the threshold.
-    pub(super) fn opaque(&self) -> u16 {
+    #[must_use]
+    pub fn opaque(&self) -> u16 {
         ((1.0 - self.threshold) * 65_535.0).ceil().min(65_535.0) as u16
     }
 

@@ -1,6 +1,7 @@
 //! Results for people and for programs: tables, JSON, NumPy files, and writing files whole or not at all.
 
 pub mod files;
+pub mod inspection;
 pub mod json;
 pub mod npz;
 pub mod table;

@@ -127,7 +127,7 @@ pub(super) fn loads(scale: &Scale) -> Result<Outcome> {
         LOADS[0]
     );
     let plot = Plot {
-        title: "Probes per fragment by load (HA-buffer, Figure 5)",
+        title: "Probes per fragment by load (HA-buffer, Figure 5)".to_owned(),
         x: "load factor (%)",
         y: "probes per fragment",
         curves,
@@ -160,7 +160,7 @@ pub(super) fn stack(scale: &Scale) -> Result<Outcome> {
         rows.get(last + 1).map(|row| row[4].clone()).unwrap_or_default()
     );
     let plot = Plot {
-        title: "Probes per fragment of stacking squares (HA-buffer, Figure 8)",
+        title: "Probes per fragment of stacking squares (HA-buffer, Figure 8)".to_owned(),
         x: "together (0: apart, 1: on each other)",
         y: "probes per fragment",
         curves,

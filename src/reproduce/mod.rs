@@ -9,12 +9,13 @@ mod ha_figures;
 mod ha_memory;
 mod importance;
 mod occupancy;
-pub mod plot;
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::image::Image;
+
+pub use crate::image::plot;
 use plot::Plot;
 
 /// A published table or figure.

@@ -160,7 +160,7 @@ pub(super) fn culling(scale: &Scale) -> Result<Outcome> {
         rows.len()
     );
     let plot = Plot {
-        title: "k+-buffer with and without occupancy culling (Figure 1)",
+        title: "k+-buffer with and without occupancy culling (Figure 1)".to_owned(),
         x: "k",
         y: "milliseconds",
         curves,

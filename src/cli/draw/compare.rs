@@ -105,7 +105,7 @@ fn methods(catalogue: &Catalogue, args: &Args) -> Result<Vec<Method>> {
 }
 
 /// The coarsest format that any of them fixes.
-fn common_format(fixed: impl Iterator<Item = Option<Format>>) -> Format {
+pub(super) fn common_format(fixed: impl Iterator<Item = Option<Format>>) -> Format {
     let fixed = fixed.flatten();
     let coarseness = |format: &Format| Format::ALL.iter().position(|known| known == format);
     fixed.max_by_key(coarseness).unwrap_or_default()

@@ -3,4 +3,5 @@
 pub(super) mod bench;
 pub(super) mod compare;
 mod frames;
+pub(super) mod inspect;
 pub(super) mod render;

@@ -9,8 +9,7 @@ use crate::explore::program::subject::Subject;
 use crate::explore::search::explored::{Found, Limits};
 use crate::explore::verdict::survey::Survey;
 use crate::fragment::Fragment;
-use crate::raster::primitive::Rect;
-use crate::raster::{Batch, FrontEnd, Grid, Record};
+use crate::raster::{FrontEnd, Grid};
 use crate::render::Options;
 use crate::scene::Scene;
 use crate::scheme::Contract;
@@ -33,7 +32,8 @@ pub fn cut(
     }
     let grid = Grid { width, height, tile: options.tile };
     let front = FrontEnd::new(scene, grid, options.sub_pixel_bits, options.cull_face);
-    let fragments = pixel(&front, options.record(), [x, y]);
+    let mut fragments = Vec::new();
+    front.fragments_of_pixel([x, y], options.record(), |_, fragment| fragments.push(fragment));
     let most = MOST_INVOCATIONS - 4;
     if fragments.is_empty() || fragments.len() > most {
         let n = fragments.len();
@@ -56,22 +56,6 @@ pub fn litmus_of(contract: &Contract, fragments: &[Fragment], k: Option<u32>) ->
         table: None,
         inputs: Vec::new(),
     }
-}
-
-/// A pixel's fragments in submission order.
-fn pixel(front: &FrontEnd, record: Record, [x, y]: [u32; 2]) -> Vec<Fragment> {
-    let window = Rect { x0: x, y0: y, x1: x + 1, y1: y + 1 };
-    let mut found = Vec::new();
-    let mut batch = Batch::default();
-    for primitive in 0..front.primitives().len() as u32 {
-        let mut packets = Vec::new();
-        front.primitive_packets(primitive, window, |packet| packets.push(packet));
-        for packet in packets {
-            front.fragments(packet, record, 0, &mut batch);
-            found.extend_from_slice(batch.fragments());
-        }
-    }
-    found
 }
 
 /// As [`Survey::given`]; if a bound prevents an answer, this many random runs look for a violation, which is then

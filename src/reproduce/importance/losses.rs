@@ -148,7 +148,7 @@ fn qualities(
             }
         }
     }
-    let plot = Plot { title, x: "records per pixel", y: "PSNR (dB)", curves };
+    let plot = Plot { title: title.to_owned(), x: "records per pixel", y: "PSNR (dB)", curves };
     let columns =
         vec!["scene", "records per pixel", "method", "k", "loss %", "PSNR (dB)", "SSIM", "bytes"];
     let summary = "distance to the picture with all fragments, by budget".to_owned();
