@@ -16,7 +16,7 @@ const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n
     1 0 0 2\n0 1 0 3\n3 0 1 2\n";
 
 const POINTS: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-    property uchar alpha\nproperty float nx\nproperty float radius\nend_header\n0 0 0 1 0 1\n1 0 0 2 1 1\n0 1 nan 3 1 2\n";
+    property uchar alpha\nproperty float nx\nproperty float radius\nend_header\n0 0 0 1 0 1\n1 0 0 2 1 1\n0 1 1e99 3 1 2\n";
 
 const PCD: &[u8] =
     b"VERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\n\

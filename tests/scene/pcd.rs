@@ -81,7 +81,7 @@ fn wrong_headers_are_named() {
         ("TYPE F F F F", "TYPE F F F X", "TYPE: \"X\" must be I, U or F"),
         ("TYPE F F F F", "TYPE F F", "TYPE: has 2 values"),
         ("COUNT 1 1 1 1", "COUNT 1 1", "COUNT: has 2 values"),
-        ("COUNT 1 1 1 1", "COUNT 1 1 1 99999999999", "COUNT: a point of 399999999996 bytes"),
+        ("COUNT 1 1 1 1", "COUNT 1 1 1 99999999999", "COUNT: a point of 400000000008 bytes"),
         ("WIDTH 2", "WIDTH 3", "POINTS: 2 are not WIDTH times HEIGHT, 3"),
         ("WIDTH 2", "WIDTH", "WIDTH: needs one number"),
         ("POINTS 2", "POINTS 1 1", "POINTS: needs one number"),

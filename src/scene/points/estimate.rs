@@ -1,11 +1,16 @@
 //! Normals and radii from neighbours.
 //!
-//! Points at the same place count once. The neighbours of a point are the [`NEIGHBOURS`] others nearest to it, by
-//! distance and then by place in the order of coordinates, so that they depend on nothing but the places. The normal is
-//! the direction in which they and the point vary least: the eigenvector of the smallest eigenvalue of their
-//! covariance. It is turned away from the middle of the whole set. The radius is [`REACH`] times the distance to the
-//! [`RING`]th neighbour (or the last, if there are fewer), but at most [`LARGEST`] times the median of them all, so that
-//! a stray point does not become a large one. All sums are f64 in the order of the neighbours.
+//! Points at the same place count once. The neighbours of a point are the nearest others, by distance and then by place
+//! in the order of coordinates, so that they depend on nothing but the places. There are as many as the first of
+//! [`STAGES`] with which they surround the point: in the plane that it makes with them, each quarter has one. Scanners
+//! sample a surface densely in one direction and sparsely in another; so few would often lie on one line.
+//!
+//! The normal is the direction in which the point and its neighbours vary least: the eigenvector of the smallest
+//! eigenvalue of their covariance. It is turned away from the middle of the whole set. The radius is the distance to
+//! the neighbour that completes the ring, so that discs reach each other on all sides: the first in the fourth quarter;
+//! at a border, where there is none, in the third; else the [`CHAIN`]th neighbour, or the last. It is at most
+//! [`LARGEST`] times the median of all, so that a stray point does not become a large one. All sums are f64 in the order
+//! of the neighbours.
 
 use std::cmp::Ordering;
 
@@ -14,19 +19,16 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::eigen;
+use super::{axes, eigen};
 
-/// Neighbours that make the normal.
-const NEIGHBOURS: usize = 12;
+/// How many neighbours are looked at, one stage after another.
+const STAGES: [usize; 3] = [12, 24, 48];
 
-/// Which neighbour makes the radius.
-const RING: usize = 6;
+/// Which neighbour makes the radius on a line of points or at a corner.
+const CHAIN: usize = 4;
 
-/// On a square grid the sixth neighbour is at the diagonal, 1.41 steps: discs that touch no hole need at least 0.77.
-const REACH: f64 = 0.75;
-
-/// The largest radius in medians.
-const LARGEST: f64 = 4.0;
+/// The largest radius in medians: what one scan sees near and far differs by about ten.
+const LARGEST: f64 = 16.0;
 
 /// A place with its number in the order of coordinates.
 type Place = GeomWithData<[f64; 3], u32>;
@@ -59,14 +61,9 @@ impl Estimate {
             places.iter().zip(0..).map(|(&at, number)| Place::new(at, number)).collect(),
         );
         let around = |(number, at): (usize, &[f64; 3])| {
-            let near = neighbours(&tree, *at, number as u32);
-            let spread: Vec<DVec3> = near
-                .iter()
-                .map(|&(_, other)| DVec3::from(places[other as usize]) - DVec3::from(*at))
-                .collect();
-            let normal = normal(&spread, DVec3::from(*at) - middle);
-            let ring = near.get(RING - 1).or(near.last());
-            (normal, ring.map(|&(square, _)| square.sqrt() * REACH))
+            let (normal, radius) = surroundings(&tree, *at, number as u32);
+            let outwards = DVec3::from(*at) - middle;
+            (if normal.dot(outwards) < 0.0 { -normal } else { normal }, radius)
         };
         let found: Vec<_> = places.par_iter().enumerate().map(around).collect();
         let (normals, radii): (Vec<_>, Vec<_>) = found.into_iter().unzip();
@@ -90,25 +87,67 @@ fn compare(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a.partial_cmp(b).unwrap_or(Ordering::Equal)
 }
 
-/// The squared distances and numbers of the places nearest to one of them, in order.
-fn neighbours(tree: &RTree<Place>, at: [f64; 3], own: u32) -> Vec<(f64, u32)> {
-    let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 4);
-    for (place, square) in tree.nearest_neighbor_iter_with_distance_2(at) {
-        // All that are as far as the last one wanted, to choose among them by number.
-        if near.len() >= NEIGHBOURS && near.last().is_some_and(|last| square > last.0) {
+/// What the neighbours of a place say: the normal, and the radius if there are any.
+fn surroundings(tree: &RTree<Place>, at: [f64; 3], own: u32) -> (DVec3, Option<f64>) {
+    let mut others = tree.nearest_neighbor_iter_with_distance_2(at).peekable();
+    let mut near: Vec<(f64, &Place)> = Vec::with_capacity(STAGES[0] + 4);
+    let mut found = (DVec3::Z, None);
+    for wanted in STAGES {
+        // Also all that are as far as the last one wanted, to choose among them by number.
+        while let Some((place, square)) = others
+            .next_if(|next| near.len() < wanted || near.last().is_none_or(|last| next.1 <= last.0))
+        {
+            if place.data != own {
+                near.push((square, place));
+            }
+        }
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.data.cmp(&b.1.data)));
+        let chosen = &near[..near.len().min(wanted)];
+        let arms: Vec<DVec3> =
+            chosen.iter().map(|(_, place)| DVec3::from(*place.geom()) - DVec3::from(at)).collect();
+        let normal = normal(&arms);
+        let Some((last, complete)) = ring(&arms, normal) else { break };
+        found = (normal, Some(near[last].0.sqrt()));
+        if complete {
             break;
         }
-        if place.data != own {
-            near.push((square, place.data));
-        }
     }
-    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    near.truncate(NEIGHBOURS);
-    near
+    found
 }
 
-/// The direction in which a point (at 0) and its neighbours vary least, on the side of `outwards`.
-fn normal(neighbours: &[DVec3], outwards: DVec3) -> DVec3 {
+/// Which neighbour completes the ring around a point (at 0), and whether it is one.
+fn ring(neighbours: &[DVec3], normal: DVec3) -> Option<(usize, bool)> {
+    let [a, b] = axes(normal);
+    let (mut met, mut quarters, mut third) = ([false; 4], 0, None);
+    for (i, arm) in neighbours.iter().enumerate() {
+        let (s, t) = (arm.dot(a), arm.dot(b));
+        let quarter = if s > 0.0 && t >= 0.0 {
+            0
+        } else if s <= 0.0 && t > 0.0 {
+            1
+        } else if s < 0.0 {
+            2
+        } else if t < 0.0 {
+            3
+        } else {
+            continue;
+        };
+        if !met[quarter] {
+            met[quarter] = true;
+            quarters += 1;
+            match quarters {
+                3 => third = Some(i),
+                4 => return Some((i, true)),
+                _ => {}
+            }
+        }
+    }
+    let last = neighbours.len().min(CHAIN).checked_sub(1)?;
+    Some((third.unwrap_or(last), false))
+}
+
+/// The direction in which a point (at 0) and its neighbours vary least.
+fn normal(neighbours: &[DVec3]) -> DVec3 {
     // Scaled to at most 1, so that no square leaves the range.
     let largest = neighbours.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
     if largest == 0.0 {
@@ -126,8 +165,7 @@ fn normal(neighbours: &[DVec3], outwards: DVec3) -> DVec3 {
             }
         }
     }
-    let normal = eigen::least(covariance);
-    if normal.dot(outwards) < 0.0 { -normal } else { normal }
+    eigen::least(covariance)
 }
 
 /// Each at most [`LARGEST`] medians.
