@@ -1,7 +1,7 @@
 //! What the fuzz targets do, as plain functions, so that a test replays their corpus without libFuzzer.
 //!
-//! Four show bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
-//! promises that `fragloom::scene` makes. The fifth makes triangles of bytes, and holds the rasterizer against
+//! Five show bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
+//! promises that `fragloom::scene` makes. The sixth makes triangles of bytes, and holds the rasterizer against
 //! the reference.
 
 mod raster;
@@ -9,7 +9,7 @@ mod raster;
 pub use raster::raster;
 
 use fragloom::error::{Error, Result};
-use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
 
 /// An OBJ file up to the first zero byte, with the rest as its material library.
 pub fn obj(bytes: &[u8]) {
@@ -27,6 +27,11 @@ pub fn gltf(bytes: &[u8]) {
 /// A PLY file.
 pub fn ply(bytes: &[u8]) {
     check_model(ply::parse(bytes, "fuzz"));
+}
+
+/// A PCD file.
+pub fn pcd(bytes: &[u8]) {
+    check_model(pcd::parse(bytes, "fuzz"));
 }
 
 /// A scene file whose objects are all the same triangle; files whose names begin with `x` are missing.

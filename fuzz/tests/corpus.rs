@@ -5,10 +5,11 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 5] = [
+    let targets: [(&str, fn(&[u8])); 6] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
+        ("pcd", fragloom_fuzz::pcd),
         ("toml", fragloom_fuzz::toml),
         ("raster", fragloom_fuzz::raster),
     ];

@@ -75,8 +75,19 @@ impl Effect {
     /// Check numbers, and what the scene must have, before anything is drawn.
     ///
     /// # Errors
-    /// The option that is out of range, a scene without objects, or a name that no object has.
+    /// The option that is out of range, a scene without objects, points where objects must enclose something, or a name
+    /// that no object has.
     pub fn check(&self, scene: &Scene) -> Result<()> {
+        let fills = !matches!(self, Self::Transparency | Self::Ldi { voxels: None });
+        let mut points = scene.objects.iter().filter(|object| !object.mesh.discs.is_empty());
+        if let Some(object) = points.next().filter(|_| fills) {
+            let problem = format!(
+                "{} needs closed objects, but '{}' has points, which enclose nothing",
+                self.name(),
+                object.name
+            );
+            return Err(Error::new("--effect", problem));
+        }
         match self {
             Self::Media { density } if !(density.is_finite() && *density >= 0.0) => {
                 Err(Error::new("--density", format!("{density} must be 0 or more, and finite")))

@@ -26,7 +26,7 @@ impl Solids {
         let (mut names, mut parts) = (Vec::<String>::new(), Vec::new());
         let mut end = 0;
         for object in &scene.objects {
-            end += object.mesh.triangles.len() as u32;
+            end += object.mesh.primitives() as u32;
             let known = names.iter().position(|name| *name == object.name);
             let solid = known.unwrap_or(names.len());
             if known.is_none() {

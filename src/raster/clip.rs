@@ -15,6 +15,9 @@ pub const GUARD_BAND: i32 = 32_768;
 /// Grid units per pixel. With 4 sub-pixel bits, coordinates are multiples of 16 units.
 pub const UNITS: i32 = 256;
 
+/// The most vertices of a clipped polygon: eight corners of a disc, and one more for each of six planes.
+pub const MAX_VERTICES: usize = 14;
+
 /// The image area and how vertices are snapped to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewport {
@@ -72,17 +75,18 @@ impl Viewport {
         ]
     }
 
-    /// Clip a triangle and snap what is left: no vertices (nothing visible), three, or up to nine.
+    /// Clip a triangle, or another convex polygon, and snap what is left: no vertices (nothing visible), as many as
+    /// there were, or up to six more.
     #[must_use]
-    pub fn clip(&self, triangle: [DVec4; 3]) -> Polygon {
-        let distances = triangle.map(|v| self.distances(v));
+    pub fn clip<const N: usize>(&self, corners: [DVec4; N]) -> Polygon {
+        let distances = corners.map(|v| self.distances(v));
         if (0..6).all(|plane| distances.iter().all(|d| d[plane] >= 0.0)) {
-            return Polygon::new(&triangle.map(|v| self.project(v)));
+            return Polygon::new(&corners.map(|v| self.project(v)));
         }
         if (0..6).any(|plane| distances.iter().all(|d| d[plane] < 0.0)) {
             return Polygon::default();
         }
-        let mut polygon = triangle.to_vec();
+        let mut polygon = corners.to_vec();
         for plane in 0..6 {
             polygon = self.cut(&polygon, plane);
         }
@@ -114,20 +118,20 @@ fn between(inside: DVec4, outside: DVec4, d_in: f64, d_out: f64) -> DVec4 {
     inside + (outside - inside) * t
 }
 
-/// A clipped, snapped convex polygon of 0 or 3 to 9 vertices (a triangle gains at most one per plane).
+/// A clipped, snapped convex polygon of 0 or 3 to 14 vertices (a triangle or an octagon gains at most one per plane).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Polygon {
-    vertices: [Snapped; 9],
+    vertices: [Snapped; MAX_VERTICES],
     len: usize,
 }
 
 impl Polygon {
-    /// From vertices in order; fewer than three make it empty, and any beyond nine are dropped.
+    /// From vertices in order; fewer than three make it empty, and any beyond [`MAX_VERTICES`] are dropped.
     #[must_use]
     pub fn new(vertices: &[Snapped]) -> Self {
         let mut polygon = Self::default();
         if vertices.len() >= 3 {
-            polygon.len = vertices.len().min(9);
+            polygon.len = vertices.len().min(MAX_VERTICES);
             polygon.vertices[..polygon.len].copy_from_slice(&vertices[..polygon.len]);
         }
         polygon

@@ -13,9 +13,9 @@ use super::shade::{Attenuation, Seen, Surface};
 use super::slab::Slabs;
 use crate::fragment::Packet;
 use crate::num::color;
-use crate::scene::{Scene, ScreenTriangle};
+use crate::scene::{Disc, Scene, ScreenTriangle};
 
-/// Triangles per parallel chunk.
+/// Triangles or discs per parallel chunk.
 const CHUNK: usize = 4_096;
 
 /// Which faces are left out.
@@ -45,9 +45,9 @@ impl CullFace {
 pub struct FrontEnd {
     /// The image and its tiles.
     pub grid: Grid,
-    /// Triangles in the scene.
+    /// Triangles and discs in the scene.
     pub triangles: u64,
-    /// Triangles of zero area, before or after snapping.
+    /// Those of zero area, before or after snapping.
     pub degenerate: u64,
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
@@ -65,7 +65,7 @@ pub struct FrontEnd {
 }
 
 impl FrontEnd {
-    /// Transform, clip, snap and bin every triangle of a scene.
+    /// Transform, clip, snap and bin every triangle and disc of a scene.
     #[must_use]
     pub fn new(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
         Self::attenuated(scene, grid, sub_pixel_bits, cull, None)
@@ -153,6 +153,11 @@ impl FrontEnd {
                 Chunk::of_object(&placed, part, first + (i * CHUNK) as u32, target)
             }));
             first += triangles.len() as u32;
+            let discs = &object.mesh.discs;
+            chunks.par_extend(discs.par_chunks(CHUNK).enumerate().map(|(i, part)| {
+                Chunk::of_discs(&placed, part, first + (i * CHUNK) as u32, target)
+            }));
+            first += discs.len() as u32;
         }
         chunks.push(Chunk::of_screen(&scene.screen, first, target));
         let triangles = u64::from(first) + scene.screen.len() as u64;
@@ -306,12 +311,29 @@ impl Chunk {
                 Some(corners) => {
                     let polygon = target.viewport.clip(corners.clip);
                     chunk.add(target, index, &polygon, |back, bounds| {
-                        let seen = Seen {
-                            turned: back,
-                            attenuated: target.attenuated,
-                            normals: target.normals,
-                        };
-                        placed.surface(&corners, seen, &target.viewport, bounds)
+                        placed.surface(&corners, target.seen(back), &target.viewport, bounds)
+                    });
+                }
+            }
+        }
+        chunk
+    }
+
+    fn of_discs(placed: &Placed<'_>, part: &[Disc], first: u32, target: Target) -> Self {
+        let mut chunk = Self::default();
+        for (index, disc) in (first..).zip(part) {
+            match placed.disc(disc) {
+                None => chunk.degenerate += 1,
+                Some(lying) => {
+                    let polygon = target.viewport.clip(lying.octagon());
+                    chunk.add(target, index, &polygon, |back, bounds| {
+                        placed.disc_surface(
+                            disc,
+                            &lying,
+                            target.seen(back),
+                            &target.viewport,
+                            bounds,
+                        )
                     });
                 }
             }
@@ -376,6 +398,10 @@ struct Target {
 impl Target {
     fn new(viewport: Viewport, image: Rect, cull: CullFace) -> Self {
         Self { viewport, image, cull, attenuated: false, outlines: false, normals: false }
+    }
+
+    fn seen(&self, back: bool) -> Seen {
+        Seen { turned: back, attenuated: self.attenuated, normals: self.normals }
     }
 }
 

@@ -1,10 +1,12 @@
 //! From a scene to fragments, exactly.
 //!
-//! `place` transforms, `clip` clips and snaps, `edge` decides coverage, `plane` gives depth, `shade` gives colour,
-//! `primitive` joins them for one triangle, `grid` numbers tiles and pixels, `front` sets up and bins a whole scene,
-//! `slab` gives them a thickness, `emit` turns packets into fragments. `naive` is the reference that all of it is tested against.
+//! `place` transforms, `disc` makes a polygon of a disc, `clip` clips and snaps, `edge` decides coverage, `plane` gives
+//! depth, `shade` gives colour, `primitive` joins them for one triangle, `grid` numbers tiles and pixels, `front` sets up
+//! and bins a whole scene, `slab` gives surfaces a thickness, `emit` turns packets into fragments. `naive` is the reference that all of it is tested
+//! against.
 
 pub mod clip;
+pub mod disc;
 pub mod edge;
 pub mod emit;
 pub mod front;

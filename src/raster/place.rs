@@ -5,15 +5,18 @@ use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;
 
 use super::clip::Viewport;
+use super::disc::Lying;
 use super::primitive::Rect;
 use super::shade::{Corners, Lighting, Seen, Surface};
-use crate::scene::{Material, Mesh, Object, Scene};
+use crate::scene::{Disc, Material, Mesh, Object, Scene};
 
 /// An object with its vertices transformed.
 pub(super) struct Placed<'a> {
     mesh: &'a Mesh,
     material: &'a Material,
     light: Lighting,
+    transform: DMat4,
+    view_projection: DMat4,
     world: Vec<DVec3>,
     clip: Vec<DVec4>,
     normals: Vec<[f32; 3]>,
@@ -36,6 +39,8 @@ impl<'a> Placed<'a> {
             mesh,
             material: &scene.materials[object.material],
             light: Lighting::from(scene.light),
+            transform: object.transform,
+            view_projection,
             world,
             clip,
             normals,
@@ -67,6 +72,41 @@ impl<'a> Placed<'a> {
     ) -> Surface {
         Surface::new(corners, self.material, self.light, seen, viewport, bounds)
     }
+
+    /// A disc in place; `None` if it has no area in the world, or is not finite in clip space.
+    #[must_use]
+    pub(super) fn disc(&self, disc: &Disc) -> Option<Lying> {
+        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let center = transform(&self.transform, wide(disc.center)).truncate();
+        let axes = disc.axes.map(|axis| carry(&self.transform, wide(axis)).truncate());
+        let normal = axes[0].cross(axes[1]);
+        let lying = Lying {
+            center: transform(&self.view_projection, center),
+            axes: axes.map(|axis| carry(&self.view_projection, axis)),
+            normal,
+        };
+        let finite = lying.octagon().iter().all(|v| v.is_finite());
+        (normal != DVec3::ZERO && finite).then_some(lying)
+    }
+
+    /// The surface of a disc, as it is seen.
+    pub(super) fn disc_surface(
+        &self,
+        disc: &Disc,
+        lying: &Lying,
+        seen: Seen,
+        viewport: &Viewport,
+        bounds: Rect,
+    ) -> Surface {
+        Surface::of_disc(disc, lying, self.material, self.light, seen, viewport, bounds)
+    }
+}
+
+/// m * (v, 0), each row (x + y) + z.
+fn carry(m: &DMat4, v: DVec3) -> DVec4 {
+    let [x, y, z, _] = m.to_cols_array_2d();
+    let row = |i: usize| (x[i] * v.x + y[i] * v.y) + z[i] * v.z;
+    DVec4::new(row(0), row(1), row(2), row(3))
 }
 
 /// m * (p, 1), each row ((x + y) + z) + w.

@@ -14,6 +14,11 @@
 //! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
 //! n.n are (x x' + y y') + z z'. A surface whose colour does not vary over it is shaded once, at set-up.
 //!
+//! A disc has one colour and one normal. Where its opacity falls off, at a point (u, v) in half axes from its centre it
+//! is the disc's times exp(-((u u + v v) (s s)) / 2), with s the standard deviations from centre to rim. u and v are
+//! perspective-correct: of the weights of the centre and the ends of both axes, not clamped, u = w1 / ((w0 + w1) + w2)
+//! and v = w2 / ((w0 + w1) + w2).
+//!
 //! Where light is attenuated on its way (`Attenuation`, T in 0..1 per channel), `lambert` multiplies the diffuse term
 //! by T and leaves the ambient one, c * (ambient + (1 - ambient) * (max(n.l, 0) * T)); `gooch` cools, by (t * T) in
 //! place of t; `flat` surfaces and screen triangles are not lit, and stay as they are. T = 1 gives the same bits as no
@@ -22,9 +27,10 @@
 use glam::{DVec3, DVec4};
 
 use super::clip::Viewport;
+use super::disc::Lying;
 use super::primitive::Rect;
 use crate::num::color;
-use crate::scene::{Light, Material, Shading};
+use crate::scene::{Disc, Light, Material, Shading};
 
 /// Three f32 lanes, added and multiplied in the written order.
 type Rgb = [f32; 3];
@@ -38,6 +44,8 @@ pub enum Surface {
     Varying(Box<Varying>),
     /// One colour and one normal, but light that is attenuated from pixel to pixel.
     Even(Box<Even>),
+    /// The same, with an opacity that falls off from the centre.
+    Fading(Box<Fading>),
 }
 
 /// How much of the light reaches a point.
@@ -62,8 +70,40 @@ pub struct Even {
 impl Even {
     #[inline]
     fn at(&self, reaches: Rgb) -> u32 {
+        self.faded(reaches, 1.0)
+    }
+
+    #[inline]
+    fn faded(&self, reaches: Rgb, opacity: f32) -> u32 {
         let rgb = self.light.shade(self.shading, self.color, self.normal, reaches);
-        color::rgba8(rgb, self.alpha)
+        color::rgba8(rgb, self.alpha * opacity)
+    }
+}
+
+/// A disc whose opacity falls off from its centre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fading {
+    even: Even,
+    origin: [u32; 2],
+    weights: [[f32; 3]; 3],
+    /// Minus half the square of the standard deviations from centre to rim.
+    exponent: f32,
+}
+
+impl Fading {
+    fn at(&self, x: u32, y: u32, reaches: Rgb) -> u32 {
+        self.even.faded(reaches, self.opacity(x, y))
+    }
+
+    /// The share of the disc's opacity at pixel (x, y), 0..1.
+    fn opacity(&self, x: u32, y: u32) -> f32 {
+        let dx = x as f32 - self.origin[0] as f32;
+        let dy = y as f32 - self.origin[1] as f32;
+        let w = self.weights.map(|[a, b, c]| (a * dx + b * dy) + c);
+        let sum = (w[0] + w[1]) + w[2];
+        let (u, v) = (w[1] / sum, w[2] / sum);
+        let opacity = libm::expf((u * u + v * v) * self.exponent);
+        if opacity.is_nan() { 0.0 } else { opacity }
     }
 }
 
@@ -136,10 +176,7 @@ impl Surface {
         if corners.colors.is_none() && !varies {
             let Material { color, alpha, shading, .. } = *material;
             let even = Even { color, normal: face_normal, alpha, shading, light };
-            return match (attenuated && lit) || normals {
-                true => Self::Even(Box::new(even)),
-                false => Self::Uniform(even.at(ALL)),
-            };
+            return Self::even(even, (attenuated && lit) || normals);
         }
         Self::Varying(Box::new(Varying {
             origin: [bounds.x0, bounds.y0],
@@ -153,6 +190,42 @@ impl Surface {
         }))
     }
 
+    /// Of a disc.
+    #[must_use]
+    pub fn of_disc(
+        disc: &Disc,
+        lying: &Lying,
+        material: &Material,
+        light: Lighting,
+        Seen { turned, attenuated, normals }: Seen,
+        viewport: &Viewport,
+        bounds: Rect,
+    ) -> Self {
+        let sign = if turned { -1.0 } else { 1.0 };
+        let even = Even {
+            color: std::array::from_fn(|i| disc.color[i] * material.color[i]),
+            normal: unit(lying.normal).map(|c| c * sign),
+            alpha: disc.alpha * material.alpha,
+            shading: material.shading,
+            light,
+        };
+        if disc.sigmas == 0.0 {
+            return Self::even(even, (attenuated && material.shading != Shading::Flat) || normals);
+        }
+        let ends = [lying.center, lying.center + lying.axes[0], lying.center + lying.axes[1]];
+        Self::Fading(Box::new(Fading {
+            even,
+            origin: [bounds.x0, bounds.y0],
+            weights: weights(&ends, viewport, bounds),
+            exponent: (disc.sigmas * disc.sigmas) * -0.5,
+        }))
+    }
+
+    /// Shaded now, or per fragment.
+    fn even(even: Even, late: bool) -> Self {
+        if late { Self::Even(Box::new(even)) } else { Self::Uniform(even.at(ALL)) }
+    }
+
     /// The data word at pixel (x, y).
     #[inline]
     #[must_use]
@@ -161,6 +234,7 @@ impl Surface {
             Self::Uniform(word) => *word,
             Self::Varying(varying) => varying.at(x, y, ALL),
             Self::Even(even) => even.at(ALL),
+            Self::Fading(fading) => fading.at(x, y, ALL),
         }
     }
 
@@ -171,6 +245,7 @@ impl Surface {
             Self::Uniform(_) => None,
             Self::Varying(varying) => Some(varying.normal(varying.parts(x, y))),
             Self::Even(even) => Some(even.normal),
+            Self::Fading(fading) => Some(fading.even.normal),
         }
     }
 
@@ -182,6 +257,7 @@ impl Surface {
             Self::Uniform(word) => *word,
             Self::Varying(varying) => varying.at(x, y, reaches),
             Self::Even(even) => even.at(reaches),
+            Self::Fading(fading) => fading.at(x, y, reaches),
         }
     }
 }

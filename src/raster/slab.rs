@@ -38,9 +38,10 @@ impl Slabs {
         };
         let mut first = 0;
         let mut spans: Vec<(u32, Span)> = Vec::new();
-        let objects = scene.objects.iter().map(|object| {
-            (object.mesh.triangles.len() as u32, object.thickness.unwrap_or(thickness))
-        });
+        let objects = scene
+            .objects
+            .iter()
+            .map(|object| (object.mesh.primitives() as u32, object.thickness.unwrap_or(thickness)));
         for (triangles, own) in objects.chain([(u32::MAX, thickness)]) {
             let own = span(own);
             if spans.last().is_none_or(|(_, last)| *last != own) {

@@ -18,7 +18,7 @@ pub enum Given {
         /// The words.
         words: Vec<u32>,
     },
-    /// A word for every triangle, in the order of submission.
+    /// A word for every triangle and disc, in the order of submission.
     ByPrimitive(Vec<u32>),
     /// A word for every object of the scene, in their order; triangles given in pixels have the input's default.
     ByObject(Vec<u32>),
@@ -85,9 +85,9 @@ fn place(name: &str) -> String {
     format!("input '{name}'")
 }
 
-/// The number of triangles of every object.
+/// The number of triangles and discs of every object.
 fn triangles(scene: &Scene) -> Vec<usize> {
-    scene.objects.iter().map(|object| object.mesh.triangles.len()).collect()
+    scene.objects.iter().map(|object| object.mesh.primitives()).collect()
 }
 
 /// Fill the words of all inputs of a layout.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Object;
+use super::{Disc, Object};
 
 /// An axis-aligned box in world space; empty while `min` is above `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ impl Bounds {
     /// No point at all.
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    /// Around the corners of all triangles of `objects`; vertices that no triangle uses do not count.
+    /// Around the corners of all triangles of `objects`, and all their discs; vertices that no triangle uses do not count.
     #[must_use]
     pub fn of(objects: &[Object]) -> Self {
         let points = objects.iter().flat_map(|object| {
@@ -26,7 +26,10 @@ impl Bounds {
                 object.transform.transform_point3(DVec3::from(point))
             })
         });
-        points.fold(Self::EMPTY, Self::with)
+        let corners = points.fold(Self::EMPTY, Self::with);
+        let discs =
+            objects.iter().flat_map(|object| object.mesh.discs.iter().map(move |d| (object, d)));
+        discs.flat_map(|(object, disc)| rim(object, disc)).fold(corners, Self::with)
     }
 
     /// This box, grown to hold `point`. A point that is not a number makes the box infinite.
@@ -75,4 +78,14 @@ impl Bounds {
         let half = DVec3::splat(if reach > 0.0 { reach * 1e-3 } else { 0.5 });
         Self { min: center - half, max: center + half }
     }
+}
+
+/// Two opposite corners of the smallest box around a disc in the world: along each axis, the ellipse reaches as far as
+/// its half axes do together, by Pythagoras.
+fn rim(object: &Object, disc: &Disc) -> [DVec3; 2] {
+    let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+    let center = object.transform.transform_point3(wide(disc.center));
+    let [a, b] = disc.axes.map(|axis| object.transform.transform_vector3(wide(axis)));
+    let reach = DVec3::from(std::array::from_fn(|i| (a[i] * a[i] + b[i] * b[i]).sqrt()));
+    [center - reach, center + reach]
 }

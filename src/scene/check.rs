@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::model::MAX_TRIANGLES;
-use super::{Bounds, MAX_SIZE, Mesh, Object, Scene, ScreenTriangle};
+use super::{Bounds, Disc, MAX_SIZE, Mesh, Object, Scene, ScreenTriangle};
 use crate::error::{Error, Result};
 
 /// The farthest that a vertex may be from the origin of the world along an axis.
@@ -55,7 +55,7 @@ pub fn fraction(place: &str, field: &str, value: f32) -> Result<()> {
     Err(Error::new(place, format!("{field}: {value} is not within 0 to 1")))
 }
 
-/// A mesh's own promises: finite vertices, one attribute per vertex, indices in range.
+/// A mesh's own promises: finite vertices, one attribute per vertex, indices in range, discs that can be drawn.
 pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
     let wrong = |problem: String| Err(Error::new(place, problem));
     let count = mesh.positions.len();
@@ -73,13 +73,34 @@ pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
         return wrong(format!("vertex {i}: color {:?} is not within 0 to 1", mesh.colors[i]));
     }
     let out = |t: &[u32; 3]| t.iter().any(|&vertex| vertex as usize >= count);
-    match mesh.triangles.iter().position(out) {
-        Some(i) => {
-            let corners = mesh.triangles[i];
-            wrong(format!("triangle {i}: vertex of {corners:?} is not below the {count} vertices"))
-        }
-        None => Ok(()),
+    if let Some(i) = mesh.triangles.iter().position(out) {
+        let corners = mesh.triangles[i];
+        return wrong(format!(
+            "triangle {i}: vertex of {corners:?} is not below the {count} vertices"
+        ));
     }
+    mesh.discs.iter().enumerate().try_for_each(|(i, disc)| check_disc(place, i, disc))
+}
+
+/// A disc's own promises.
+fn check_disc(place: &str, index: usize, disc: &Disc) -> Result<()> {
+    let wrong = |problem: String| Err(Error::new(place, format!("point {index}: {problem}")));
+    let [a, b] = disc.axes;
+    for (field, value) in [("position", disc.center), ("axis", a), ("axis", b)] {
+        if !value.iter().all(|c| c.is_finite()) {
+            return wrong(format!("{field} {value:?} is not finite"));
+        }
+    }
+    if !disc.color.iter().all(|c| (0.0..=1.0).contains(c)) {
+        return wrong(format!("color {:?} is not within 0 to 1", disc.color));
+    }
+    if !(0.0..=1.0).contains(&disc.alpha) {
+        return wrong(format!("alpha {} is not within 0 to 1", disc.alpha));
+    }
+    if !(disc.sigmas >= 0.0 && disc.sigmas.is_finite()) {
+        return wrong(format!("sigmas: {} must be finite and not below 0", disc.sigmas));
+    }
+    Ok(())
 }
 
 /// One screen triangle: corners in range, colour and opacity 0..1.
@@ -100,7 +121,7 @@ pub fn screen(place: &str, index: usize, triangle: &ScreenTriangle) -> Result<()
 }
 
 fn triangles(place: &str, scene: &Scene) -> Result<()> {
-    let placed = scene.objects.iter().map(|object| object.mesh.triangles.len());
+    let placed = scene.objects.iter().map(|object| object.mesh.primitives());
     match placed.fold(scene.screen.len(), usize::saturating_add) {
         0 => Err(Error::new(place, "scene: has no triangle; it needs at least one")),
         count if count > MAX_TRIANGLES => {

@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use super::camera::FOV_Y;
 use super::model::{GREY, Model};
-use super::{Bounds, Camera, Light, Material, Projection, Scene, Shading, check};
-use crate::error::Result;
+use super::{Bounds, Camera, Light, Material, PointSize, Projection, Scene, Shading, check};
+use crate::error::{Error, Result};
 
 /// Width and height of images where none are given, in pixels.
 pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
@@ -23,6 +23,8 @@ pub struct Overrides {
     pub alpha: Option<f32>,
     /// How light acts on all materials.
     pub shading: Option<Shading>,
+    /// The radii of all point sets' points.
+    pub points: PointSize,
 }
 
 /// The image's size: the option's, or else the file's, or else the default; checked.
@@ -81,7 +83,19 @@ impl Draft {
 }
 
 impl Overrides {
+    /// What the option for radii wants, checked.
+    pub(super) fn point_size(&self) -> Result<PointSize> {
+        let names = ["--point-radius", "--point-scale"];
+        self.points.check(names).map_err(|(name, problem)| Error::new(name, problem))?;
+        Ok(self.points)
+    }
+
     fn apply(&self, scene: &mut Scene) -> Result<()> {
+        let no_points = || scene.objects.iter().all(|object| object.mesh.discs.is_empty());
+        if self.points != PointSize::default() && no_points() {
+            let idle = "--point-radius and --point-scale have no effect: there is no point set";
+            scene.warnings.push(idle.to_owned());
+        }
         if let Some(alpha) = self.alpha {
             check::fraction("--alpha", "alpha", alpha)?;
             scene.materials.iter_mut().for_each(|material| material.alpha = alpha);

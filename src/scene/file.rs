@@ -10,8 +10,8 @@ use super::camera::AMBIENT;
 use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
 use super::{
-    Bounds, Light, Material, Model, Scene, ScreenTriangle, Shading, Thickness, check, names,
-    procedural,
+    Bounds, Light, Material, Model, PointSize, Scene, ScreenTriangle, Shading, Thickness, check,
+    names, procedural,
 };
 use crate::error::{Error, Result};
 
@@ -27,6 +27,13 @@ pub struct Description {
 pub enum Source<'a> {
     /// A mesh file, relative to the scene file.
     File(&'a str),
+    /// A point set, relative to the scene file, with radii.
+    Points {
+        /// The file.
+        file: &'a str,
+        /// The radii.
+        size: PointSize,
+    },
     /// A generator.
     Procedural {
         /// Its name.
@@ -37,6 +44,9 @@ pub enum Source<'a> {
         size: [u32; 2],
     },
 }
+
+/// The keys of a file with points.
+const POINT_KEYS: [&str; 2] = ["radius", "radius_scale"];
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -80,7 +90,7 @@ struct ObjectTable {
     rotate: Option<[f64; 4]>,
     scale: Option<f64>,
     thickness: Option<ThicknessValue>,
-    /// The generator's own; a file has none.
+    /// The generator's own; a file has only [`POINT_KEYS`].
     #[serde(flatten)]
     keys: BTreeMap<String, toml::Value>,
 }
@@ -135,8 +145,13 @@ impl Description {
             let transform =
                 object.transform().map_err(|problem| self.wrong("object", i, &problem))?;
             let material = object.material.as_deref().and_then(|name| self.material(name));
+            let found = model(object.source(size))?;
+            if object.points().is_some() && found.objects.iter().any(|o| o.mesh.discs.is_empty()) {
+                let problem = "radius, radius_scale: are keys of point sets, and the file is none";
+                return Err(self.wrong("object", i, problem));
+            }
             let first = whole.objects.len();
-            whole.append(model(object.source(size))?, transform, material);
+            whole.append(found, transform, material);
             if let Some(thickness) = &object.thickness {
                 let own = thickness.read().map_err(|problem| self.wrong("object", i, &problem))?;
                 whole.objects[first..].iter_mut().for_each(|o| o.thickness = Some(own));
@@ -225,10 +240,30 @@ impl ObjectTable {
         self.name.clone().unwrap_or_else(|| names::letters(index))
     }
 
+    /// What a file's object says of its points' radii, if anything.
+    fn points(&self) -> Option<PointSize> {
+        let [radius, scale] = POINT_KEYS.map(|key| self.number(key).unwrap_or_default());
+        let given = self.file.is_some() && (radius.is_some() || scale.is_some());
+        given.then_some(PointSize { radius, scale })
+    }
+
+    /// A number among the keys.
+    fn number(&self, key: &str) -> Unplaced<Option<f32>> {
+        match self.keys.get(key) {
+            None => Ok(None),
+            Some(toml::Value::Float(value)) => Ok(Some(*value as f32)),
+            Some(toml::Value::Integer(value)) => Ok(Some(*value as f32)),
+            Some(other) => Err(format!("{key}: {other} must be a number")),
+        }
+    }
+
     /// The file or generator; [`ObjectTable::check`] has seen that there is one.
     fn source(&self, size: [u32; 2]) -> Source<'_> {
         match (&self.file, &self.procedural) {
-            (Some(file), _) => Source::File(file),
+            (Some(file), _) => match self.points() {
+                Some(size) => Source::Points { file, size },
+                None => Source::File(file),
+            },
             (None, name) => Source::Procedural {
                 name: name.as_deref().unwrap_or_default(),
                 keys: &self.keys,
@@ -240,9 +275,15 @@ impl ObjectTable {
     fn check(&self) -> Unplaced<()> {
         match (&self.file, &self.procedural) {
             (Some(_), None) => {
-                if let Some(key) = self.keys.keys().next() {
+                if let Some(key) = self.keys.keys().find(|key| !POINT_KEYS.contains(&key.as_str()))
+                {
                     return Err(format!("{key}: is not a key of an object with a file"));
                 }
+                for key in POINT_KEYS {
+                    self.number(key)?;
+                }
+                let size = self.points().unwrap_or_default();
+                size.check(POINT_KEYS).map_err(|(name, problem)| format!("{name}: {problem}"))?;
             }
             (None, Some(name)) => self.check_generator(name)?,
             _ => return Err("file: needs either file or procedural".to_owned()),

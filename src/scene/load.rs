@@ -7,18 +7,18 @@ use super::draft::{Draft, Overrides, image_size};
 use super::file::{self, Source};
 use super::model::{Model, read_file};
 use super::procedural::{self, Builtin};
-use super::{Scene, gltf, names, obj, ply};
+use super::{PointSize, Scene, gltf, names, obj, pcd, ply};
 use crate::error::{Error, Result};
 
 /// The opacity given to surfaces of a mesh file that would be opaque.
 pub const MESH_ALPHA: f32 = 0.5;
 
-/// Loads a scene: a mesh file (`.obj`, `.gltf`, `.glb`, `.ply`), a scene file (`.toml`), or a built-in scene's
+/// Loads a scene: a mesh or point set (`.obj`, `.gltf`, `.glb`, `.ply`, `.pcd`), a scene file (`.toml`), or a built-in scene's
 /// name, optionally with keys as in `layers:count=64,alpha=0.25`.
 ///
 /// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none given)
 /// become half transparent ([`MESH_ALPHA`]), since this program is not about opaque surfaces; an opacity below 1 is
-/// kept. In a scene file, a mesh file's own materials are kept unchanged.
+/// kept, be it the material's or that of any point. In a scene file, a mesh file's own materials are kept unchanged.
 ///
 /// # Errors
 /// Names the file, option or scene, the field, and what would be right.
@@ -27,9 +27,12 @@ pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
     match extension(path).as_str() {
         "toml" => scene_file(path, overrides),
         _ if is_mesh(path) => {
-            let mut model = mesh_file(path)?;
-            let opaque = model.materials.iter_mut().filter(|material| material.alpha >= 1.0);
-            opaque.for_each(|material| material.alpha = MESH_ALPHA);
+            let mut model = mesh_file(path, overrides.point_size()?)?;
+            let discs = model.objects.iter().flat_map(|object| &object.mesh.discs);
+            if discs.into_iter().all(|disc| disc.alpha >= 1.0) {
+                let opaque = model.materials.iter_mut().filter(|material| material.alpha >= 1.0);
+                opaque.for_each(|material| material.alpha = MESH_ALPHA);
+            }
             model.call(&names::letters(0));
             Draft::new(file_name(path), model).finish(overrides)
         }
@@ -46,7 +49,7 @@ pub fn builtin() -> &'static [Builtin] {
 fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
     let (name, keys) = source.split_once(':').unwrap_or((source, ""));
     if procedural::find(name).is_err() && Path::new(source).exists() {
-        let problem = "extension: must be .obj, .gltf, .glb, .ply or .toml";
+        let problem = "extension: must be .obj, .gltf, .glb, .ply, .pcd or .toml";
         return Err(Error::new(source, problem));
     }
     let size = image_size(name, None, overrides)?;
@@ -60,39 +63,44 @@ fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
 fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
     let place = path.display().to_string();
     let description = file::parse(&read_file(path)?, &place)?;
-    let mut meshes: BTreeMap<PathBuf, Model> = BTreeMap::new();
+    let size = overrides.point_size()?;
+    let mut meshes: BTreeMap<(PathBuf, [Option<u32>; 2]), Model> = BTreeMap::new();
+    let mut read = |name: &str, own: PointSize| {
+        let (path, size) = (beside(path, name), size.or(own));
+        let key = (path.clone(), [size.radius, size.scale].map(|v| v.map(f32::to_bits)));
+        if let Some(model) = meshes.get(&key) {
+            return Ok(Model { warnings: Vec::new(), ..model.clone() });
+        }
+        let model = mesh_file(&path, size)?;
+        meshes.insert(key, model.clone());
+        Ok(model)
+    };
     let mut scene = description.build(overrides, &mut |source| match source {
         Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
-        Source::File(name) => {
-            let path = beside(path, name);
-            if let Some(model) = meshes.get(&path) {
-                return Ok(Model { warnings: Vec::new(), ..model.clone() });
-            }
-            let model = mesh_file(&path)?;
-            meshes.insert(path, model.clone());
-            Ok(model)
-        }
+        Source::File(name) => read(name, PointSize::default()),
+        Source::Points { file, size } => read(file, size),
     })?;
     scene.name = file_name(path);
     Ok(scene)
 }
 
-/// Reads a mesh file of any kind, with its materials as they are.
-fn mesh_file(path: &Path) -> Result<Model> {
+/// Reads a mesh file or point set of any kind, with its materials as they are.
+fn mesh_file(path: &Path, size: PointSize) -> Result<Model> {
     let place = path.display().to_string();
     if !is_mesh(path) {
-        return Err(Error::new(place, "file: must end in .obj, .gltf, .glb or .ply"));
+        return Err(Error::new(place, "file: must end in .obj, .gltf, .glb, .ply or .pcd"));
     }
     let bytes = read_file(path)?;
     match extension(path).as_str() {
         "obj" => obj::parse(&bytes, &place, &mut |name| read_file(&beside(path, name)).ok()),
-        "ply" => ply::parse(&bytes, &place),
+        "ply" => ply::parse_sized(&bytes, &place, size),
+        "pcd" => pcd::parse_sized(&bytes, &place, size),
         _ => gltf::parse(&bytes, &place, &mut |name| read_file(&beside(path, name))),
     }
 }
 
 fn is_mesh(path: &Path) -> bool {
-    matches!(extension(path).as_str(), "obj" | "gltf" | "glb" | "ply")
+    matches!(extension(path).as_str(), "obj" | "gltf" | "glb" | "ply" | "pcd")
 }
 
 /// In lower case.

@@ -1,9 +1,9 @@
 //! Scenes: what is drawn, before any pixel exists.
 //!
-//! A [`Scene`] is plain data: meshes placed by transforms, materials, one directional light, a camera, a
+//! A [`Scene`] is plain data: meshes (triangles and discs) placed by transforms, materials, one directional light, a camera, a
 //! background, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
-//! or a procedural generator. The *global triangle index* counts the objects' triangles in order, then the
-//! screen triangles.
+//! or a procedural generator. The *global triangle index* counts the objects' triangles and discs in order, each object's
+//! triangles before its discs, then the screen triangles. A disc counts as one triangle wherever triangles are counted.
 
 mod bounds;
 mod camera;
@@ -16,6 +16,7 @@ mod model;
 pub mod names;
 pub mod obj;
 pub mod ply;
+pub mod points;
 pub mod procedural;
 mod thickness;
 
@@ -29,6 +30,7 @@ pub use self::camera::{AMBIENT, FOV_Y};
 pub use self::draft::{DEFAULT_BACKGROUND, DEFAULT_SIZE, Overrides};
 pub use self::load::{MESH_ALPHA, builtin, load};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
+pub use self::points::{PointSize, pcd};
 pub use self::procedural::Builtin;
 pub use self::thickness::Thickness;
 
@@ -140,7 +142,7 @@ pub struct Object {
     pub thickness: Option<Thickness>,
 }
 
-/// Indexed triangles.
+/// Indexed triangles, and discs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Finite.
@@ -151,6 +153,36 @@ pub struct Mesh {
     pub colors: Vec<[f32; 3]>,
     /// Each index is below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
+    /// Points of a point set; drawn after the triangles.
+    pub discs: Vec<Disc>,
+}
+
+/// A flat elliptic disc: a point of a point set.
+///
+/// It is drawn as an octagon whose corners lie on its rim, one primitive with at most one fragment per pixel. Its front
+/// is where its axes turn anticlockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Finite.
+    pub center: [f32; 3],
+    /// From the centre to the rim, at right angles to each other; finite. What is drawn is an ellipse also where they
+    /// are not.
+    pub axes: [[f32; 3]; 2],
+    /// Linear RGB, 0..1; multiplied with the material's.
+    pub color: [f32; 3],
+    /// Opacity at the centre, 0..1; multiplied with the material's.
+    pub alpha: f32,
+    /// How many standard deviations of a Gaussian the rim is from the centre; 0 for the same opacity all over. Finite,
+    /// not negative.
+    pub sigmas: f32,
+}
+
+impl Mesh {
+    /// Its triangles and discs together: as many as it takes of the global triangle index.
+    #[must_use]
+    pub fn primitives(&self) -> usize {
+        self.triangles.len() + self.discs.len()
+    }
 }
 
 /// A triangle in pixels: x right, y down, the centre of the first pixel at (0.5, 0.5), z in 0..1.
@@ -163,10 +195,10 @@ pub struct ScreenTriangle {
 }
 
 impl Scene {
-    /// Triangles of all objects and of the screen.
+    /// Triangles and discs of all objects, and triangles of the screen.
     #[must_use]
     pub fn triangles(&self) -> u64 {
-        let objects = self.objects.iter().map(|o| o.mesh.triangles.len() as u64);
+        let objects = self.objects.iter().map(|o| o.mesh.primitives() as u64);
         objects.sum::<u64>() + self.screen.len() as u64
     }
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// A result whose error says what is wrong, but not yet where.
 pub(super) type Unplaced<T> = std::result::Result<T, String>;
 
-/// The most triangles a scene may have.
+/// The most triangles (and discs) a scene may have.
 pub const MAX_TRIANGLES: usize = 1 << 26;
 
 /// The largest file that is read, in bytes.
@@ -40,14 +40,14 @@ impl Model {
         self.materials.len() - 1
     }
 
-    /// Adds a mesh where it is. A mesh without triangles is left out.
+    /// Adds a mesh where it is. A mesh without triangles and discs is left out.
     pub fn add_mesh(&mut self, mesh: Mesh, material: usize) {
         self.add_placed(Arc::new(mesh), DMat4::IDENTITY, material);
     }
 
-    /// Adds a shared mesh at a place. A mesh without triangles is left out.
+    /// Adds a shared mesh at a place. A mesh without triangles and discs is left out.
     pub fn add_placed(&mut self, mesh: Arc<Mesh>, transform: DMat4, material: usize) {
-        if !mesh.triangles.is_empty() {
+        if mesh.primitives() > 0 {
             let name = String::new();
             self.objects.push(Object { name, mesh, transform, material, thickness: None });
         }
@@ -74,10 +74,10 @@ impl Model {
         nameless.for_each(|object| name.clone_into(&mut object.name));
     }
 
-    /// How many triangles there are, placed ones and screen triangles together.
+    /// How many triangles and discs there are, placed ones and screen triangles together.
     #[must_use]
     pub fn triangles(&self) -> usize {
-        let placed = self.objects.iter().map(|object| object.mesh.triangles.len());
+        let placed = self.objects.iter().map(|object| object.mesh.primitives());
         placed.fold(self.screen.len(), usize::saturating_add)
     }
 }

@@ -317,6 +317,7 @@ fn mesh(part: &tobj::Mesh, place: &str) -> Result<Mesh> {
         colors: if fits(&part.vertex_color) { triples(&part.vertex_color) } else { Vec::new() },
         triangles: part.indices.as_chunks().0.to_vec(),
         positions,
+        discs: Vec::new(),
     };
     super::check::mesh(place, &mesh)?;
     Ok(mesh)

@@ -1,4 +1,4 @@
-//! Stanford PLY: meshes in ASCII or binary of either byte order. `ply-rs-bw` reads the payload; it would believe a
+//! Stanford PLY: meshes and point sets in ASCII or binary of either byte order. `ply-rs-bw` reads the payload; it would believe a
 //! header that promises any number of elements without properties, so counts are held against the file's
 //! length before it starts.
 
@@ -11,20 +11,34 @@ use ply_rs_bw::ply::{
 };
 
 use super::model::{GREY, Unplaced};
-use super::{Material, Mesh, Model, check};
+use super::points::table::{self, Table};
+use super::{Material, Mesh, Model, PointSize, check, points};
 use crate::error::{Error, Result};
 
 /// The mesh of a PLY file, grey and opaque: `x y z`, and where present `nx ny nz` and `red green blue` (linear;
-/// integers are divided by the largest of their type). Polygons are cut into fans from their first corner.
+/// integers are divided by the largest of their type). Polygons are cut into fans from their first corner. A file
+/// without faces is a point set, which may also have `alpha` and `radius`, or the properties of Gaussian splats.
 /// `place` names the file in messages.
 ///
 /// # Errors
-/// Names the element and the property; a point set (no faces) is an error.
+/// Names the element or the point, and the property.
 pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
+    parse_sized(bytes, place, PointSize::default())
+}
+
+/// As [`parse`]; `size` is for the points of a point set.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> {
     let failed = |error: ParseError| Error::new(place, one_line(&error));
     let mut reader = Reader::new(bytes);
     let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(failed)?;
     check_header(&header, reader.get_ref().len()).map_err(|problem| Error::new(place, problem))?;
+    if faces(&header) == 0 {
+        let table = table(&mut reader, &header).map_err(failed)?;
+        return points::model(&table, size, place);
+    }
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for (name, element) in &header.elements {
         let reader = &mut reader;
@@ -41,6 +55,26 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
     let material = model.add_material(Material::new("default", GREY, 1.0));
     model.add_placed(Arc::new(mesh), glam::DMat4::IDENTITY, material);
     Ok(model)
+}
+
+/// How many faces the header promises.
+fn faces(header: &Header) -> usize {
+    header.elements.get("face").map_or(0, |face| face.count)
+}
+
+/// The vertices of a point set. What follows them is not looked at.
+fn table(reader: &mut Reader<&[u8]>, header: &Header) -> std::result::Result<Table, ParseError> {
+    let mut table = Table { has: [false; table::COLUMNS], rows: Vec::new() };
+    for (name, element) in &header.elements {
+        if name == "vertex" {
+            let known = element.properties.keys().filter_map(|name| table::column(name));
+            known.for_each(|column| table.has[column] = true);
+            table.rows = read::<Point>(reader, element, header)?.into_iter().map(|p| p.0).collect();
+            break;
+        }
+        drop(read::<Skipped>(reader, element, header)?);
+    }
+    Ok(table)
 }
 
 fn read<E: PropertyAccess>(
@@ -75,8 +109,8 @@ fn check_header(header: &Header, length: usize) -> Unplaced<()> {
     {
         return Err(format!("element vertex: property {axis}: is missing"));
     }
-    if header.elements.get("face").is_none_or(|face| face.count == 0) {
-        return Err("element face: there is none; point sets are not drawn yet".to_owned());
+    if faces(header) == 0 {
+        return Ok(());
     }
     let face = element("face")?;
     if !["vertex_indices", "vertex_index"].iter().any(|&name| face.properties.contains_key(name)) {
@@ -123,6 +157,7 @@ fn assemble(header: &Header, vertices: &[Vertex], faces: &[Face]) -> Unplaced<Me
         normals: triples(3, has(["nx", "ny", "nz"])),
         colors: triples(6, has(["red", "green", "blue"])),
         triangles,
+        discs: Vec::new(),
     })
 }
 
@@ -175,6 +210,26 @@ fn scalar(property: &Property) -> Option<(f64, f64)> {
         Property::Double(v) => (v, 1.0),
         _ => return None,
     })
+}
+
+/// A point of a point set.
+struct Point(table::Row);
+
+impl PropertyAccess for Point {
+    fn new() -> Self {
+        Self([0.0; table::COLUMNS])
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let Some(column) = table::column(name) else {
+            return PropertyAccessResult::Ignored;
+        };
+        let Some((value, largest)) = scalar(&property) else {
+            return PropertyAccessResult::UnsupportedType;
+        };
+        self.0[column] = if table::is_share(column) { value / largest } else { value } as f32;
+        PropertyAccessResult::Set
+    }
 }
 
 /// The corners of a polygon.

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use fragloom::error::{Error, Result};
-use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
 use proptest::prelude::*;
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0.5 0 0 1\nvn 0 0 1\nvt 0 1\no a\nusemtl a\n\
@@ -14,6 +14,17 @@ const MTL: &[u8] = b"newmtl a\nKa 1 1 1\nKd 0.5 0.25 1\nd 0.5\nTr 0.5\nillum 2\n
 const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
     property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n\
     1 0 0 2\n0 1 0 3\n3 0 1 2\n";
+
+const POINTS: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property uchar alpha\nproperty float nx\nproperty float radius\nend_header\n0 0 0 1 0 1\n1 0 0 2 1 1\n0 1 1e99 3 1 2\n";
+
+const PCD: &[u8] =
+    b"VERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\n\
+    VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ascii\n0 0 0 1\n1 0 0 256\nnan 1 0 65536\n";
+
+const PACKED: &[u8] =
+    b"FIELDS x y z\nSIZE 4 1 1\nTYPE F I U\nPOINTS 2\nDATA binary_compressed\n\x0d\0\0\0\x0c\0\0\0\
+    \x0b\0\0\x80\x3f\0\0\0\x40\x01\x02\x03\x04";
 
 const GLTF: &[u8] = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,3]}],
     "meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":4}]}],
@@ -39,6 +50,7 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(obj::parse(bytes, "it", &mut |_| Some(MTL.to_vec())));
     assert_whole(obj::parse(OBJ, "it", &mut |_| Some(bytes.to_vec())));
     assert_whole(ply::parse(bytes, "it"));
+    assert_whole(pcd::parse(bytes, "it"));
     let reads = RefCell::new(0);
     assert_whole(gltf::parse(bytes, "it", &mut |_| {
         *reads.borrow_mut() += 1;
@@ -57,6 +69,9 @@ fn load_as_all(bytes: &[u8]) {
 fn the_seeds_are_good() {
     assert!(obj::parse(OBJ, "it", &mut |_| Some(MTL.to_vec())).unwrap().warnings.is_empty());
     ply::parse(PLY, "it").unwrap();
+    ply::parse(POINTS, "it").unwrap();
+    pcd::parse(PCD, "it").unwrap();
+    assert_eq!(pcd::parse(PACKED, "it").unwrap().triangles(), 2);
     gltf::parse(GLTF, "it", &mut |_| Ok(vec![0; 36])).unwrap();
     let description = file::parse(TOML, "it").unwrap();
     description.build(&Overrides::default(), &mut |_| ply::parse(PLY, "it")).unwrap();
@@ -109,14 +124,18 @@ proptest! {
         load_as_all(&bytes);
         load_as_all(&[b"glTF\x02\0\0\0", &bytes[..]].concat());
         load_as_all(&[b"ply\nformat binary_little_endian 1.0\n", &bytes[..]].concat());
+        for end in ["DATA ascii", "DATA binary"] {
+            let head = b"FIELDS x y z rgb\nSIZE 4 1 2 4\nTYPE F U I F\nPOINTS 7\n";
+            load_as_all(&[&head[..], end.as_bytes(), b"\n", &bytes[..]].concat());
+        }
     }
 
     #[test]
     fn damaged_files_never_panic(
-        which in 0..5_usize,
+        which in 0..8_usize,
         edits in edits(),
     ) {
-        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML][which].to_vec();
+        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML, POINTS, PCD, PACKED][which].to_vec();
         edits.iter().for_each(|edit| edit.apply(&mut bytes));
         load_as_all(&bytes);
     }

@@ -95,8 +95,12 @@ fn everything_in_a_scene_file() {
 
 #[test]
 fn overrides_win() {
-    let overrides =
-        Overrides { size: Some([7, 9]), alpha: Some(0.125), shading: Some(Shading::Flat) };
+    let overrides = Overrides {
+        size: Some([7, 9]),
+        alpha: Some(0.125),
+        shading: Some(Shading::Flat),
+        ..Overrides::default()
+    };
     let scene = with(FULL, &overrides).unwrap();
     assert_eq!(scene.size, [7, 9]);
     assert!(scene.materials.iter().all(|m| m.alpha == 0.125 && m.shading == Shading::Flat));

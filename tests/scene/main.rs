@@ -10,7 +10,9 @@ mod hostile;
 mod load;
 mod models;
 mod obj;
+mod pcd;
 mod ply;
+mod points;
 mod procedural;
 
 use fragloom::error::Result;

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use fragloom::scene::{Overrides, load};
 
-use super::assert_fails;
 use super::load::assert_framed;
 
 /// The path of a model, or `None` and a line that says so.
@@ -57,8 +56,10 @@ fn repeated_meshes_are_shared() {
 }
 
 #[test]
-fn a_point_set_is_refused() {
+fn a_point_set_has_as_many_points_as_it_should() {
     let Some(path) = model("tabletop_points.ply") else { return };
-    let result = load(path.to_str().unwrap(), &Overrides::default());
-    assert_fails(result, &["tabletop_points.ply: element face", "point sets are not drawn yet"]);
+    let scene = load(path.to_str().unwrap(), &Overrides::default()).unwrap();
+    let count: usize = scene.objects.iter().map(|o| o.mesh.discs.len()).sum();
+    assert_eq!((count, scene.triangles(), scene.warnings.len()), (259_847, 259_847, 0));
+    assert_framed(&scene);
 }

@@ -82,13 +82,6 @@ fn every_truncation_is_an_error() {
 }
 
 #[test]
-fn point_sets_are_refused_as_such() {
-    let points = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
-        property float z\nend_header\n0 0 0\n";
-    assert_fails(parse(points), &["test.ply: element face: ", "point sets are not drawn yet"]);
-}
-
-#[test]
 fn lying_headers_are_refused_before_reading() {
     for (from, to, message) in [
         (

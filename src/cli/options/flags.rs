@@ -23,6 +23,14 @@ pub(in crate::cli) struct Drawing {
     #[arg(long, value_enum, value_name = "SHADING")]
     pub(in crate::cli) shading: Option<Shading>,
 
+    /// Radius of every point of point sets, in units of their file [default: the points' own, else estimated]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub(in crate::cli) point_radius: Option<f32>,
+
+    /// Multiplies the radii that points have or get by estimation [default: 1]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(in crate::cli) point_scale: Option<f32>,
+
     /// How invocations are executed: parallel tiles, contending threads, or a simulated device
     #[arg(long, value_enum, value_name = "EXECUTOR", default_value = "tile")]
     pub(in crate::cli) exec: Exec,

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::num::depth::Format;
 use crate::render::{self, Options, Policy, Sim, TableOptions};
-use crate::scene::{self, Overrides, Thickness};
+use crate::scene::{self, Overrides, PointSize, Thickness};
 
 /// Invocations in flight unless `--resident` is given.
 const RESIDENT: usize = 4_096;
@@ -84,7 +84,9 @@ fn overrides(typed: &Drawing) -> Result<Overrides> {
         return Err(Error::new("--alpha", format!("{alpha} must be an opacity from 0 to 1")));
     }
     let size = typed.size.as_deref().map(values::size).transpose()?;
-    Ok(Overrides { size, alpha: typed.alpha, shading: typed.shading.map(scene::Shading::from) })
+    let points = PointSize { radius: typed.point_radius, scale: typed.point_scale };
+    let shading = typed.shading.map(scene::Shading::from);
+    Ok(Overrides { size, alpha: typed.alpha, shading, points })
 }
 
 fn exec(typed: &Drawing, record: bool) -> Result<render::Exec> {

@@ -139,6 +139,7 @@ impl Loader<'_> {
             colors: optional(attribute(Semantic::Colors(0)), "COLOR_0")?,
             triangles: triangles(primitive.mode, &order),
             positions,
+            discs: Vec::new(),
         };
         check::mesh(self.data.place, &mesh).map_err(|error| wrong(error.problem().to_owned()))?;
         Ok((Arc::new(mesh), self.material(primitive).map_err(wrong)?))

@@ -1,0 +1,156 @@
+//! What a file says of its points: a column for every property that is known, a row for every point.
+
+use glam::DVec3;
+
+use super::unit;
+use crate::scene::model::Unplaced;
+
+/// How many properties are known.
+pub(in crate::scene) const COLUMNS: usize = 22;
+
+/// Their columns' names, as messages call them.
+const NAMES: [&str; COLUMNS] = [
+    "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "radius", "f_dc_0", "f_dc_1",
+    "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
+];
+
+/// The first column of the normal.
+pub(super) const NORMAL: usize = 3;
+/// The first column of the colour.
+pub(super) const COLOR: usize = 6;
+/// The column of the opacity.
+pub(super) const ALPHA: usize = 9;
+/// The column of the radius.
+pub(super) const RADIUS: usize = 10;
+/// The first column of a Gaussian splat: colour, opacity, scales and rotation, as `splat` reads them.
+pub(super) const SPLAT: usize = 11;
+/// The column of a splat's opacity, whose name others use, too.
+const OPACITY: usize = 14;
+
+/// The properties of one point.
+pub(in crate::scene) type Row = [f32; COLUMNS];
+
+/// The column of a property by one of its names, if it is known. Asked for every property of every point.
+pub(in crate::scene) fn column(name: &str) -> Option<usize> {
+    Some(match name {
+        "x" => 0,
+        "y" => 1,
+        "z" => 2,
+        "nx" | "normal_x" => NORMAL,
+        "ny" | "normal_y" => NORMAL + 1,
+        "nz" | "normal_z" => NORMAL + 2,
+        "red" | "r" | "diffuse_red" => COLOR,
+        "green" | "g" | "diffuse_green" => COLOR + 1,
+        "blue" | "b" | "diffuse_blue" => COLOR + 2,
+        "alpha" | "a" | "diffuse_alpha" => ALPHA,
+        "radius" | "scalar_radius" => RADIUS,
+        "f_dc_0" => SPLAT,
+        "f_dc_1" => SPLAT + 1,
+        "f_dc_2" => SPLAT + 2,
+        "opacity" => OPACITY,
+        "scale_0" => OPACITY + 1,
+        "scale_1" => OPACITY + 2,
+        "scale_2" => OPACITY + 3,
+        "rot_0" => OPACITY + 4,
+        "rot_1" => OPACITY + 5,
+        "rot_2" => OPACITY + 6,
+        "rot_3" => OPACITY + 7,
+        _ => return None,
+    })
+}
+
+/// Whether a column holds a share of 1, which integers count in the largest value of their type.
+pub(in crate::scene) fn is_share(column: usize) -> bool {
+    (COLOR..RADIUS).contains(&column)
+}
+
+/// A point set as its file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::scene) struct Table {
+    /// Which columns the file has.
+    pub(in crate::scene) has: [bool; COLUMNS],
+    /// 0 in columns that it has not.
+    pub(in crate::scene) rows: Vec<Row>,
+}
+
+impl Table {
+    /// The rows whose position is finite.
+    pub(super) fn whole(&self) -> Vec<usize> {
+        let finite = |row: &Row| row[..NORMAL].iter().all(|c| c.is_finite());
+        (0..self.rows.len()).filter(|&row| finite(&self.rows[row])).collect()
+    }
+
+    /// Whether the points are Gaussian splats; an error if the file has only some of their properties.
+    pub(super) fn is_splats(&self) -> Unplaced<bool> {
+        let wanted = SPLAT..COLUMNS;
+        if !wanted.clone().any(|column| self.has[column] && column != OPACITY) {
+            return Ok(false);
+        }
+        let missing: Vec<&str> =
+            wanted.filter(|&column| !self.has[column]).map(|column| NAMES[column]).collect();
+        if missing.is_empty() {
+            return Ok(true);
+        }
+        Err(format!("a Gaussian splat needs {} as well", missing.join(", ")))
+    }
+
+    pub(super) fn position(&self, row: usize) -> [f32; 3] {
+        self.three(row, 0)
+    }
+
+    /// Three neighbouring columns.
+    pub(super) fn three(&self, row: usize, from: usize) -> [f32; 3] {
+        std::array::from_fn(|i| self.rows[row][from + i])
+    }
+
+    /// White without one, for the material's to show.
+    pub(super) fn color(&self, row: usize) -> [f32; 3] {
+        let whole = self.has[COLOR..COLOR + 3] == [true; 3];
+        if whole { self.three(row, COLOR) } else { [1.0; 3] }
+    }
+
+    pub(super) fn alpha(&self, row: usize) -> f32 {
+        if self.has[ALPHA] { self.rows[row][ALPHA] } else { 1.0 }
+    }
+
+    /// Unit normals of the rows that have one.
+    pub(super) fn normals(&self, rows: &[usize]) -> Vec<Option<DVec3>> {
+        let whole = self.has[NORMAL..NORMAL + 3] == [true; 3];
+        let normal = |&row: &usize| {
+            let normal = || unit(DVec3::from(self.three(row, NORMAL).map(f64::from)));
+            if whole { normal() } else { None }
+        };
+        rows.iter().map(normal).collect()
+    }
+
+    /// The radii, if there are any: all must be finite and above 0.
+    pub(super) fn radii(&self, rows: &[usize]) -> Unplaced<Option<Vec<f64>>> {
+        if !self.has[RADIUS] {
+            return Ok(None);
+        }
+        let radius = |&row: &usize| match self.rows[row][RADIUS] {
+            radius if radius > 0.0 && radius.is_finite() => Ok(f64::from(radius)),
+            radius => Err(format!("point {row}: radius: {radius} must be finite and above 0")),
+        };
+        rows.iter().map(radius).collect::<Unplaced<_>>().map(Some)
+    }
+
+    /// A column's name, for messages.
+    pub(super) fn name(column: usize) -> &'static str {
+        NAMES[column]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_leads_to_its_column() {
+        for (i, name) in NAMES.iter().enumerate() {
+            assert_eq!(column(name), Some(i), "{name}");
+        }
+        assert_eq!(column("normal_z"), Some(5));
+        assert_eq!(column("curvature"), None);
+    }
+}
