@@ -31,7 +31,13 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
         camera,
         light: Light { towards: DVec3::Z, ambient: 0.5 },
         materials: vec![material],
-        objects: vec![Object { name: "a".to_owned(), mesh, transform, material: 0 }],
+        objects: vec![Object {
+            name: "a".to_owned(),
+            mesh,
+            transform,
+            material: 0,
+            thickness: None,
+        }],
         screen: Vec::new(),
         warnings: Vec::new(),
     };
