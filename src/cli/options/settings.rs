@@ -263,7 +263,6 @@ mod tests {
             ("--max-memory 0", "--max-memory"),
             ("--thickness -1", "--thickness"),
             ("--thickness NaNx", "--thickness"),
-            ("--thickness 2 x", "--thickness"),
             ("--schedule random", "--schedule"),
             ("--exec sim --resident 0", "--resident"),
             ("--exec sim --schedule fifo", "--schedule"),

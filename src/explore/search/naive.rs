@@ -190,6 +190,9 @@ mod tests {
             "k-variable",
             "depth-peel-bucket",
             "kplus-multi",
+            "skb+ofm",
+            "skb+ofm@published",
+            "skb+ofm@released",
         ];
         assert_eq!(left_out, if most.is_some() { vec![] } else { large.to_vec() });
     }
