@@ -275,10 +275,14 @@ impl<K: Kind> SkbOfm<K> {
     #[inline(always)]
     #[track_caller]
     fn get<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = Words5> {
-        let [a, b, c] = [0, 1, 2].map(|word| mem.plain_load(self.sums.at(pixel, 3 * i + word)));
+        // No array of futures: `map` is not inlined.
         let ends =
             both(mem.plain_load(self.near.at(pixel, i)), mem.plain_load(self.depth.at(pixel, i)));
-        both(ends, both(a, both(b, c)))
+        let last = both(
+            mem.plain_load(self.sums.at(pixel, 3 * i + 1)),
+            mem.plain_load(self.sums.at(pixel, 3 * i + 2)),
+        );
+        both(ends, both(mem.plain_load(self.sums.at(pixel, 3 * i)), last))
     }
 
     #[inline(always)]
@@ -290,13 +294,16 @@ impl<K: Kind> SkbOfm<K> {
         i: u32,
         Merged { near, depth, sums }: Merged,
     ) -> impl Future<Output = Stores> {
-        let [a, b, c] = [0, 1, 2]
-            .map(|word| mem.plain_store(self.sums.at(pixel, 3 * i + word as u32), sums[word]));
+        let [a, b, c] = sums;
         let ends = both(
             mem.plain_store(self.near.at(pixel, i), near),
             mem.plain_store(self.depth.at(pixel, i), depth),
         );
-        both(ends, both(a, both(b, c)))
+        let last = both(
+            mem.plain_store(self.sums.at(pixel, 3 * i + 1), b),
+            mem.plain_store(self.sums.at(pixel, 3 * i + 2), c),
+        );
+        both(ends, both(mem.plain_store(self.sums.at(pixel, 3 * i), a), last))
     }
 }
 
