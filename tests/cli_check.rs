@@ -180,7 +180,7 @@ fn one_fault_of_the_catalogue() {
     assert!(lines.iter().all(|line| line["fate"] == "killed"));
     assert!(dir.run("check --mutation M19").stdout.contains("termination"));
     dir.run("check --mutation M99").is_error(&["--mutation", "M99"]);
-    dir.run("check --mutation M10").is_error(&["--mutation", "M10", "tail"]);
+    dir.run("check --mutation M12").is_error(&["--mutation", "M12", "ordered"]);
 }
 
 #[test]

@@ -398,12 +398,23 @@ fn later_papers_keep_their_promises_but_for_what_was_published() {
 
 /// Claims about methods that are not here have no verdict, and say so.
 #[test]
-fn a_claim_without_methods_is_undecided() {
-    let rows = claim_by_id("c14")
-        .expect("a claim")
-        .check(&Catalogue::built_in(), &[], &plan(Some(1)), &LIMITS)
-        .expect("a row");
-    assert_eq!((rows.len(), rows[0].verdict), (1, Verdict::Unknown));
+fn a_law_needs_no_interleavings_and_an_unknown_claim_is_named() {
+    let check = |claim: &str| {
+        let claim = claim_by_id(claim).expect("a claim");
+        claim.check(&Catalogue::built_in(), &[], &plan(Some(1)), &LIMITS).expect("rows")
+    };
+    let verdicts = |claim: &str| -> Vec<(String, Verdict)> {
+        check(claim).into_iter().map(|row| (row.method, row.verdict)).collect()
+    };
+    let of = |holds: &[&str], fails: &[&str]| -> Vec<(String, Verdict)> {
+        let holds = holds.iter().map(|m| ((*m).to_owned(), Verdict::Verified));
+        holds.chain(fails.iter().map(|m| ((*m).to_owned(), Verdict::Violated))).collect()
+    };
+    let faults = ["dfb+sfm@released", "dfb+sfm@front-beta", "dfb+sfm@M15"];
+    assert_eq!(verdicts("c15"), of(&["dfb+sfm"], &faults));
+    let merging = ["dfb+sfm", "dfb+ofm", "skb+ofm", "skb+ofm@released"];
+    assert_eq!(verdicts("C16"), of(&merging, &["dfb", "kplus-array"]));
+    assert!(check("C15").iter().all(|row| row.executions == Some(13_824)));
     let message = claim_by_id("C99").expect_err("no such claim").to_string();
     assert!(message.contains("C1, C2") && message.contains("C16"), "{message}");
 }

@@ -216,7 +216,7 @@ impl Options {
             _ => {}
         }
         if let (Some(bytes), Some(_)) = (self.memory_budget, self.k)
-            && contract.default_k.is_some()
+            && contract.budget_chooses_k()
         {
             let problem =
                 format!("{bytes} bytes, and -k: the budget chooses k, so give one of them");

@@ -356,6 +356,14 @@ impl Contract {
         !matches!(self.demand, Demand::Nothing) && !nearest
     }
 
+    /// Its storage depends on k, so that a budget of bytes chooses it. Where all fragments are stored and merged later, it
+    /// does not.
+    #[must_use]
+    pub const fn budget_chooses_k(&self) -> bool {
+        let stores_all = matches!(self.keeps, Keeps::Merged) && self.is_pooled();
+        self.default_k.is_some() && !stores_all
+    }
+
     /// It needs the ordered interlock.
     #[must_use]
     pub const fn is_interlocked(&self) -> bool {
