@@ -36,7 +36,7 @@ pub fn toml(bytes: &[u8]) {
         file::Source::File(name) if name.starts_with('x') => Err(Error::new(name, "is missing")),
         _ => obj::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "triangle", &mut |_| None),
     };
-    if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+    if let Ok(scene) = description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new())) {
         check::scene(&scene).expect("a scene that was built keeps its promises");
     }
 }

@@ -61,7 +61,7 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
     let place = path.display().to_string();
     let description = file::parse(&read_file(path)?, &place)?;
     let mut meshes: BTreeMap<PathBuf, Model> = BTreeMap::new();
-    let mut scene = description.build(overrides, &mut |source| match source {
+    let mut model = |source: Source<'_>| match source {
         Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
         Source::File(name) => {
             let path = beside(path, name);
@@ -72,7 +72,9 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
             meshes.insert(path, model.clone());
             Ok(model)
         }
-    })?;
+    };
+    let mut read = |name: &str| read_file(&beside(path, name));
+    let mut scene = description.build(overrides, &mut model, &mut read)?;
     scene.name = file_name(path);
     Ok(scene)
 }

@@ -1,7 +1,7 @@
 //! Scenes: what is drawn, before any pixel exists.
 //!
 //! A [`Scene`] is plain data: meshes placed by transforms, materials, one directional light, a camera, a
-//! background, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
+//! background, volumes, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
 //! or a procedural generator. The *global triangle index* counts the objects' triangles in order, then the
 //! screen triangles.
 
@@ -15,9 +15,11 @@ mod load;
 mod model;
 pub mod names;
 pub mod obj;
+mod placement;
 pub mod ply;
 pub mod procedural;
 mod thickness;
+pub mod volume;
 
 use std::sync::Arc;
 
@@ -31,8 +33,10 @@ pub use self::load::{MESH_ALPHA, builtin, load};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::procedural::Builtin;
 pub use self::thickness::Thickness;
+pub use self::volume::Volume;
 
-/// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
+/// A whole scene, validated: every number is finite, every index is in range, and there is at least one
+/// triangle or volume.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Its name in reports: the file's or the generator's name.
@@ -51,6 +55,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Triangles in pixels, drawn after the objects.
     pub screen: Vec<ScreenTriangle>,
+    /// What light passes through, placed.
+    pub volumes: Vec<Volume>,
     /// What was tolerated while loading, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -163,6 +169,12 @@ pub struct ScreenTriangle {
 }
 
 impl Scene {
+    /// Around all objects and volumes.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        volume::grown(Bounds::of(&self.objects), &self.volumes)
+    }
+
     /// Triangles of all objects and of the screen.
     #[must_use]
     pub fn triangles(&self) -> u64 {

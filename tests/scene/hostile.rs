@@ -47,7 +47,9 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(gltf::parse(GLTF, "it", &mut |_| Ok(bytes.to_vec())));
     if let Ok(description) = file::parse(bytes, "it") {
         let mut model = |_: file::Source<'_>| obj::parse(OBJ, "it", &mut |_| None);
-        if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+        if let Ok(scene) =
+            description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new()))
+        {
             check::scene(&scene).unwrap();
         }
     }
@@ -59,7 +61,9 @@ fn the_seeds_are_good() {
     ply::parse(PLY, "it").unwrap();
     gltf::parse(GLTF, "it", &mut |_| Ok(vec![0; 36])).unwrap();
     let description = file::parse(TOML, "it").unwrap();
-    description.build(&Overrides::default(), &mut |_| ply::parse(PLY, "it")).unwrap();
+    description
+        .build(&Overrides::default(), &mut |_| ply::parse(PLY, "it"), &mut |_| Ok(Vec::new()))
+        .unwrap();
 }
 
 /// One change of a file: a byte set, a piece cut out, or a piece repeated elsewhere.

@@ -12,6 +12,7 @@ mod models;
 mod obj;
 mod ply;
 mod procedural;
+mod volumes;
 
 use fragloom::error::Result;
 use fragloom::scene::Scene;

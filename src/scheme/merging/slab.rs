@@ -164,6 +164,12 @@ impl Slab {
         parts.map(|v| (blending.stored(v), part(v)))
     }
 
+    /// What lies between two distances, with its part of the sum of opacities; the cuts are measured on the whole slab.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64, blending: &Blending) -> (Visibility, f64) {
+        self.cut(from, to, blending)[1]
+    }
+
     /// Smooth merging (section 3.2.1): this one and another that overlaps it and is not nearer, as one.
     #[must_use]
     pub fn smooth(&self, next: &Self, blending: &Blending) -> Self {
