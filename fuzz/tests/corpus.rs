@@ -5,11 +5,13 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 5] = [
+    let targets: [(&str, fn(&[u8])); 7] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
         ("toml", fragloom_fuzz::toml),
+        ("npy", fragloom_fuzz::npy),
+        ("nrrd", fragloom_fuzz::nrrd),
         ("raster", fragloom_fuzz::raster),
     ];
     for (name, target) in targets {

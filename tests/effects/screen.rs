@@ -181,7 +181,8 @@ fn a_plane_in_focus_is_sharp() {
 
 #[test]
 fn a_picture_that_is_the_same_everywhere_stays() {
-    let panes = [(2.0, 0.5), (0.0, 0.3), (-4.0, 0.7)].map(|(z, a)| pane([0.0, 0.0, z], 40.0, a, ""));
+    let panes =
+        [(2.0, 0.5), (0.0, 0.3), (-4.0, 0.7)].map(|(z, a)| pane([0.0, 0.0, z], 40.0, a, ""));
     for projection in [PARALLEL, PERSPECTIVE] {
         let scene = scene([30, 20], projection, &panes);
         for name in METHODS {
@@ -202,7 +203,8 @@ fn an_edge_is_blurred_by_the_disc() {
     ] {
         let mut screen = dof(1.2, 4.0);
         screen.focus.as_mut().expect("a lens").samples = 1_024;
-        let image = draw(&scene([120, 120], projection, &[edge.clone()]), &with(screen, "exact")).image;
+        let image =
+            draw(&scene([120, 120], projection, &[edge.clone()]), &with(screen, "exact")).image;
         for x in 45..75 {
             let off = ((f64::from(x) + 0.5 - 60.0) / blur).clamp(-1.0, 1.0);
             let segment = (libm::acos(-off) + off * (1.0 - off * off).sqrt()) / PI;
@@ -218,9 +220,8 @@ fn an_edge_is_blurred_by_the_disc() {
 fn threads_and_seeds() {
     let scene = &small_scenes()[1];
     let screen = Screen { focus: dof(0.4, 3.0).focus, ..ao(0.5) };
-    let drawn = |threads, screen| {
-        draw(scene, &Options { threads, ..with(screen, "dfb+sfm") }).image
-    };
+    let drawn =
+        |threads, screen| draw(scene, &Options { threads, ..with(screen, "dfb+sfm") }).image;
     assert_eq!(drawn(1, screen), drawn(3, screen));
     let mut other = screen;
     other.occlusion.as_mut().expect("an occlusion").seed = 1;

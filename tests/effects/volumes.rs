@@ -96,10 +96,9 @@ fn nothing_in_a_volume_changes_no_bit() {
             for camera in [STRAIGHT, PERSPECTIVE] {
                 let without = draw(&scene(camera, &panes), &options).image;
                 for empty in ["density = 0.0\n", "scale = 1e-3\n"] {
+                    // The small one is between all rays.
                     let mut parts = panes.to_vec();
-                    let text = medium(1.0, 0.0, empty);
-                    // The small one is beside every ray.
-                    parts.push(text.replace("[0.0, 0.0, 0.0]", "[0.0, 0.003, 0.0]"));
+                    parts.push(medium(1.0, 0.0, empty));
                     assert_eq!(draw(&scene(camera, &parts), &options).image, without, "{name}");
                 }
             }
@@ -137,18 +136,16 @@ fn in_front_of_behind_and_inside() {
         // Slabs as thin as depths allow: nothing to see of their thickness.
         let options =
             Options { method: method(name), thickness: Thickness::Precision(1.0), ..exact() };
-        for camera in [STRAIGHT] {
-            let behind = scene(camera, &[medium(1.0, 0.0, ""), pane(-2.0, 0.5)]);
-            is_everywhere(&draw(&behind, &options).image, expected(&[fog(1.0), glass(0.5)]));
-            let front = scene(camera, &[medium(1.0, 0.0, ""), pane(2.0, 0.5)]);
-            is_everywhere(&draw(&front, &options).image, expected(&[glass(0.5), fog(1.0)]));
-            let opaque = scene(camera, &[medium(1.0, 0.0, ""), pane(2.0, 1.0)]);
-            is_everywhere(&draw(&opaque, &options).image, expected(&[glass(1.0)]));
-            // Not between two steps.
-            let inside = scene(camera, &[medium(2.0, 0.0, ""), pane(0.3, 0.5)]);
-            let layers = [fog(0.7), glass(0.5), fog(1.3)];
-            is_everywhere(&draw(&inside, &options).image, expected(&layers));
-        }
+        let behind = scene(STRAIGHT, &[medium(1.0, 0.0, ""), pane(-2.0, 0.5)]);
+        is_everywhere(&draw(&behind, &options).image, expected(&[fog(1.0), glass(0.5)]));
+        let front = scene(STRAIGHT, &[medium(1.0, 0.0, ""), pane(2.0, 0.5)]);
+        is_everywhere(&draw(&front, &options).image, expected(&[glass(0.5), fog(1.0)]));
+        let opaque = scene(STRAIGHT, &[medium(1.0, 0.0, ""), pane(2.0, 1.0)]);
+        is_everywhere(&draw(&opaque, &options).image, expected(&[glass(1.0)]));
+        // Not between two steps.
+        let inside = scene(STRAIGHT, &[medium(2.0, 0.0, ""), pane(0.3, 0.5)]);
+        let layers = [fog(0.7), glass(0.5), fog(1.3)];
+        is_everywhere(&draw(&inside, &options).image, expected(&layers));
     }
 }
 
@@ -212,7 +209,7 @@ fn merging_is_nearer_to_the_limit() {
 /// What is left out beyond the bound is less than the bound.
 #[test]
 fn ending_early_keeps_its_bound() {
-    let scene = scene(STRAIGHT, &[medium(4.0, 0.0, "density = 2.0\n"), pane(-3.0, 1.0)]);
+    let scene = scene(STRAIGHT, &[medium(4.0, 0.0, "density = 3.0\n"), pane(-3.0, 1.0)]);
     let drawn = |until| draw(&scene, &with(Marching { until, ..Marching::default() }, &exact()));
     let never = drawn(0.0).image;
     assert_eq!(drawn(UNTIL).image, never);
@@ -231,7 +228,8 @@ fn every_number_of_threads_draws_the_same() {
 
 #[test]
 fn a_scene_of_volumes_alone_frames_itself() {
-    let scene = toml("size = [9, 9]\n[[volume]]\nprocedural = \"ellipsoid\"\nn = 8\ndensity = 9.0\n");
+    let scene =
+        toml("size = [9, 9]\n[[volume]]\nprocedural = \"ellipsoid\"\nn = 8\ndensity = 9.0\n");
     let drawn = draw(&scene, &exact());
     assert_eq!(drawn.report.generated, 0);
     assert_ne!(drawn.image.pixel(4, 4), drawn.image.pixel(0, 0));

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use fragloom::error::{Error, Result};
+use fragloom::scene::volume::{Grid, npy, nrrd};
 use fragloom::scene::{Model, Overrides, check, file, gltf, obj, ply};
 use proptest::prelude::*;
 
@@ -25,6 +26,18 @@ const TOML: &[u8] = b"size = [8, 8]\n[camera]\neye = [0.0, 0.0, 4.0]\ntarget = [
     rotate = [0, 1, 0, 30]\n[[object]]\nprocedural = \"cubes\"\nsides = 8\n[[screen]]\n\
     points = [[1, 2, 0.5], [3, 4, 0.5], [5, 6, 1]]\ncolor = [1, 1, 1, 0.5]\n";
 
+const NPY: &[u8] = b"\x93NUMPY\x01\x00\x3c\x00{'descr': '<i2', 'fortran_order': True, 'shape': (2, 1, 3)}\n\
+    \x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00";
+
+const NRRD: &[u8] = b"NRRD0004\n# it\ntype: int16\ndimension: 3\nsizes: 3 1 2\nendian: big\nspacings: 1 2 0.5\n\
+    encoding: raw\n\n\x00\x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06";
+
+fn assert_grid(result: Result<Grid>) {
+    let Ok(grid) = result else { return };
+    assert_eq!(grid.values().len(), grid.size().iter().product::<usize>());
+    assert!(grid.values().iter().all(|value| value.is_finite()));
+}
+
 fn assert_whole(result: Result<Model>) {
     let Ok(model) = result else { return };
     assert!(model.triangles() > 0);
@@ -39,6 +52,8 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(obj::parse(bytes, "it", &mut |_| Some(MTL.to_vec())));
     assert_whole(obj::parse(OBJ, "it", &mut |_| Some(bytes.to_vec())));
     assert_whole(ply::parse(bytes, "it"));
+    assert_grid(npy::parse(bytes, "it"));
+    assert_grid(nrrd::parse(bytes, "it", &mut |_| Ok(bytes.to_vec())));
     let reads = RefCell::new(0);
     assert_whole(gltf::parse(bytes, "it", &mut |_| {
         *reads.borrow_mut() += 1;
@@ -60,6 +75,8 @@ fn the_seeds_are_good() {
     assert!(obj::parse(OBJ, "it", &mut |_| Some(MTL.to_vec())).unwrap().warnings.is_empty());
     ply::parse(PLY, "it").unwrap();
     gltf::parse(GLTF, "it", &mut |_| Ok(vec![0; 36])).unwrap();
+    npy::parse(NPY, "it").unwrap();
+    nrrd::parse(NRRD, "it", &mut |_| Ok(Vec::new())).unwrap();
     let description = file::parse(TOML, "it").unwrap();
     description
         .build(&Overrides::default(), &mut |_| ply::parse(PLY, "it"), &mut |_| Ok(Vec::new()))
@@ -117,10 +134,10 @@ proptest! {
 
     #[test]
     fn damaged_files_never_panic(
-        which in 0..5_usize,
+        which in 0..7_usize,
         edits in edits(),
     ) {
-        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML][which].to_vec();
+        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML, NPY, NRRD][which].to_vec();
         edits.iter().for_each(|edit| edit.apply(&mut bytes));
         load_as_all(&bytes);
     }

@@ -71,7 +71,6 @@ fn boxes_are_placed_like_objects() {
 
 #[test]
 fn what_is_wrong_is_told() {
-    let volume = |rest: &str| volume(rest);
     let constant = |rest: &str| volume(&format!("procedural = \"constant\"\n{rest}"));
     assert_fails(volume(""), &["s.toml: volume 0: file: needs either file or procedural"]);
     assert_fails(volume("file = \"a.vol\""), &["volume 0: file:", ".npy, .nrrd, .nhdr or .raw"]);
