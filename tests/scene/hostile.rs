@@ -26,10 +26,12 @@ const TOML: &[u8] = b"size = [8, 8]\n[camera]\neye = [0.0, 0.0, 4.0]\ntarget = [
     rotate = [0, 1, 0, 30]\n[[object]]\nprocedural = \"cubes\"\nsides = 8\n[[screen]]\n\
     points = [[1, 2, 0.5], [3, 4, 0.5], [5, 6, 1]]\ncolor = [1, 1, 1, 0.5]\n";
 
-const NPY: &[u8] = b"\x93NUMPY\x01\x00\x3c\x00{'descr': '<i2', 'fortran_order': True, 'shape': (2, 1, 3)}\n\
+const NPY: &[u8] =
+    b"\x93NUMPY\x01\x00\x3c\x00{'descr': '<i2', 'fortran_order': True, 'shape': (2, 1, 3)}\n\
     \x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00";
 
-const NRRD: &[u8] = b"NRRD0004\n# it\ntype: int16\ndimension: 3\nsizes: 3 1 2\nendian: big\nspacings: 1 2 0.5\n\
+const NRRD: &[u8] =
+    b"NRRD0004\n# it\ntype: int16\ndimension: 3\nsizes: 3 1 2\nendian: big\nspacings: 1 2 0.5\n\
     encoding: raw\n\n\x00\x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06";
 
 fn assert_grid(result: Result<Grid>) {

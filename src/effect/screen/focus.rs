@@ -106,11 +106,12 @@ fn to_target(scene: &Scene) -> f64 {
     (scene.camera.target - scene.camera.eye).length()
 }
 
-/// Points of the unit disc, evenly spread.
+/// Points of the unit disc, evenly spread; a single one is its centre.
 fn disc(samples: u32) -> Vec<[f64; 2]> {
     let point = |i: u32| {
         let across = (f64::from(i) + 0.5) / f64::from(samples);
-        let down = (f64::from(i.reverse_bits()) + 0.5) / 4_294_967_296.0;
+        // Below 1: of n samples, the last one is at 1 - 1/m, where m is the power of 2 from n on, which is below 2 n.
+        let down = f64::from(i.reverse_bits()) / 4_294_967_296.0 + 0.5 / f64::from(samples);
         let [x, y] = [2.0 * across - 1.0, 2.0 * down - 1.0];
         if x == 0.0 && y == 0.0 {
             return [0.0, 0.0];
@@ -226,6 +227,7 @@ mod tests {
             let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / f64::from(samples);
             assert!(mean(0).abs() < 0.02 && mean(1).abs() < 0.02, "{samples}");
         }
+        assert_eq!(disc(1), [[0.0, 0.0]]);
         let inner = disc(1_000).iter().filter(|[x, y]| x * x + y * y <= 0.25).count();
         assert!((240..=260).contains(&inner), "a quarter of the area: {inner}");
     }

@@ -2,7 +2,7 @@
 //! screen-space ambient occlusion", 2009).
 //!
 //! Each layer of a pixel is a point P in the eye's space, with a normal from its neighbours: left or right, and above
-//! or below, the layer that is nearest in depth; the normal looks at the eye. From there, `directions` go out evenly in
+//! or below, the layer whose front is nearest in depth; the normal looks at the eye. From there, `directions` go out evenly in
 //! screen space, the first turned by a hash of the pixel, each with `steps` to where the radius r is at the distance of
 //! P. At each step, every layer S of that pixel counts whose distance d from P is below r. The horizon is the largest
 //! sine so far of the angle between S - P and the plane of the surface, from [`BIAS`] on; where it rises, the rise is
@@ -182,13 +182,13 @@ impl Field<'_> {
         if normal.dot(sight) > 0.0 { -normal } else { normal }
     }
 
-    /// To the layer that is nearest in depth among those of the two neighbours on an axis, away from the first; if
+    /// To the front that is nearest in depth among those of the two neighbours on an axis, turned towards its end; if
     /// there is none, along the image.
     fn tangent(&self, at: [u32; 2], point: DVec3, axis: [i64; 2]) -> DVec3 {
         let mut nearest: Option<(f64, DVec3)> = None;
         for sign in [1, -1] {
             let Some([x, y]) = self.beside(at, axis.map(|d| d * sign)) else { continue };
-            for &along in self.of(x, y).iter().flatten() {
+            for &[along, _] in self.of(x, y) {
                 let apart = (along - point.z).abs();
                 if nearest.is_none_or(|(least, _)| apart < least) {
                     let to = self.lens.from_eye(x, y, along) - point;
