@@ -1,7 +1,7 @@
 //! What the fuzz targets do, as plain functions, so that a test replays their corpus without libFuzzer.
 //!
-//! Five show bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
-//! promises that `fragloom::scene` makes. The sixth makes triangles of bytes, and holds the rasterizer against
+//! All but one show bytes to one loader. A loader may refuse them; if it does not, what it gives must keep the
+//! promises that `fragloom::scene` makes. The last, `raster`, makes triangles of bytes, and holds the rasterizer against
 //! the reference.
 
 mod raster;
@@ -9,6 +9,7 @@ mod raster;
 pub use raster::raster;
 
 use fragloom::error::{Error, Result};
+use fragloom::scene::volume::{self, Grid, Interpolation};
 use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
 
 /// An OBJ file up to the first zero byte, with the rest as its material library.
@@ -34,6 +35,16 @@ pub fn pcd(bytes: &[u8]) {
     check_model(pcd::parse(bytes, "fuzz"));
 }
 
+/// A NumPy file as a volume.
+pub fn npy(bytes: &[u8]) {
+    check_grid(volume::npy::parse(bytes, "fuzz"));
+}
+
+/// A NRRD file as a volume, whose detached file is 64 bytes.
+pub fn nrrd(bytes: &[u8]) {
+    check_grid(volume::nrrd::parse(bytes, "fuzz", &mut |_| Ok((0..64).collect())));
+}
+
 /// A scene file whose objects are all the same triangle; files whose names begin with `x` are missing.
 pub fn toml(bytes: &[u8]) {
     let Ok(description) = file::parse(bytes, "fuzz") else { return };
@@ -41,8 +52,21 @@ pub fn toml(bytes: &[u8]) {
         file::Source::File(name) if name.starts_with('x') => Err(Error::new(name, "is missing")),
         _ => obj::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "triangle", &mut |_| None),
     };
-    if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+    if let Ok(scene) = description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new())) {
         check::scene(&scene).expect("a scene that was built keeps its promises");
+    }
+}
+
+fn check_grid(result: Result<Grid>) {
+    let Ok(grid) = result else { return };
+    let [x, y, z] = grid.size();
+    assert_eq!(grid.values().len(), x * y * z, "a value for each voxel");
+    assert!(grid.values().iter().all(|value| value.is_finite()), "values are finite");
+    for interpolation in [Interpolation::Linear, Interpolation::Nearest] {
+        for place in [0.0, 0.3, 1.0] {
+            let value = grid.at([place; 3], interpolation);
+            assert!((0.0..=1.0).contains(&value), "values are within their range");
+        }
     }
 }
 

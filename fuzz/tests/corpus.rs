@@ -5,12 +5,14 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 6] = [
+    let targets: [(&str, fn(&[u8])); 8] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
         ("pcd", fragloom_fuzz::pcd),
         ("toml", fragloom_fuzz::toml),
+        ("npy", fragloom_fuzz::npy),
+        ("nrrd", fragloom_fuzz::nrrd),
         ("raster", fragloom_fuzz::raster),
     ];
     for (name, target) in targets {

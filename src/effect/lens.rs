@@ -32,6 +32,18 @@ pub struct Sight {
 }
 
 impl Sight {
+    /// Where it begins, and one step along the line of sight.
+    #[must_use]
+    pub fn ray(self) -> [DVec3; 2] {
+        [self.origin, self.direction]
+    }
+
+    /// How much longer the ray is than the distance along the line of sight.
+    #[must_use]
+    pub fn length(self) -> f64 {
+        self.length
+    }
+
     /// The unit vector from what is seen to the eye.
     #[must_use]
     pub fn towards_eye(self) -> [f64; 3] {
@@ -58,9 +70,7 @@ impl Lens {
     #[must_use]
     pub fn sight(&self, x: u32, y: u32) -> Sight {
         let [right, up, back] = self.axes;
-        let u = (f64::from(x) + 0.5) * 2.0 / self.size[0] - 1.0;
-        let v = 1.0 - (f64::from(y) + 0.5) * 2.0 / self.size[1];
-        let (w, h) = (u * self.half[0], v * self.half[1]);
+        let [w, h] = self.aside(x, y);
         let sideways = right * w + up * h;
         match self.camera.projection {
             Projection::Perspective { .. } => {
@@ -71,6 +81,43 @@ impl Lens {
                 Sight { origin: self.camera.eye + sideways, direction: -back, length: 1.0 }
             }
         }
+    }
+
+    /// How far right and up a pixel's centre is: at distance 1 for a perspective, and everywhere with parallel rays.
+    #[inline]
+    fn aside(&self, x: u32, y: u32) -> [f64; 2] {
+        let u = (f64::from(x) + 0.5) * 2.0 / self.size[0] - 1.0;
+        let v = 1.0 - (f64::from(y) + 0.5) * 2.0 / self.size[1];
+        [u * self.half[0], v * self.half[1]]
+    }
+
+    /// What a pixel's centre sees at a distance along the line of sight, by the eye's own axes: right, up, and along.
+    #[inline]
+    #[must_use]
+    pub fn from_eye(&self, x: u32, y: u32, along: f64) -> DVec3 {
+        let [w, h] = self.aside(x, y);
+        let scale = if self.is_parallel() { 1.0 } else { along };
+        DVec3::new(w * scale, h * scale, along)
+    }
+
+    /// Pixels that a world unit takes to the right and up: at distance 1 for a perspective, and everywhere with parallel
+    /// rays.
+    #[must_use]
+    pub fn pixels(&self) -> [f64; 2] {
+        std::array::from_fn(|i| self.size[i] / (2.0 * self.half[i]))
+    }
+
+    /// All rays go the same way.
+    #[inline]
+    #[must_use]
+    pub fn is_parallel(&self) -> bool {
+        self.planes.parallel
+    }
+
+    /// The near and the far plane.
+    #[must_use]
+    pub fn planes(&self) -> Planes {
+        self.planes
     }
 
     /// The distance from the eye's plane along the line of sight, in world units. Grows with the word.

@@ -7,15 +7,20 @@
 //! * [`media`]: absorption between the faces where a ray enters an object and where it leaves it.
 //! * [`csg`]: a Boolean expression over closed objects.
 //! * [`ldi`]: depths alone; what is solid by parity.
+//! * [`screen`]: ambient occlusion and depth of field over all layers, also merged ones.
+//! * [`volume`]: volumes between the surfaces of a transparent picture.
 //! * [`shadow`]: lists seen from the light attenuate the shading of the view's fragments. It is not an [`Effect`], but
 //!   combines with any of them.
 
 pub mod csg;
+pub mod layers;
 pub mod ldi;
 pub mod lens;
 pub mod media;
+pub mod screen;
 pub mod shadow;
 pub mod solids;
+pub mod volume;
 
 use std::collections::BTreeMap;
 
@@ -26,6 +31,10 @@ use crate::num::depth::Format;
 use crate::raster::FrontEnd;
 use crate::resolve::Lists;
 use crate::scene::Scene;
+use crate::scheme::Record;
+use layers::Layers;
+use screen::Screen;
+use volume::{Marching, Scenery};
 
 /// What is made from a frame's lists.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -46,6 +55,8 @@ pub enum Effect {
         /// Cut the image's depth into this many slices of voxels as well.
         voxels: Option<u32>,
     },
+    /// Ambient occlusion, depth of field, or both.
+    Screen(Screen),
 }
 
 impl Effect {
@@ -57,6 +68,7 @@ impl Effect {
             Self::Media { .. } => "media",
             Self::Csg(_) => "csg",
             Self::Ldi { .. } => "ldi",
+            Self::Screen(screen) => screen.name(),
         }
     }
 
@@ -69,7 +81,13 @@ impl Effect {
     /// Whether it walks through solids, and so needs both their faces and all their fragments.
     #[must_use]
     pub fn needs_solids(&self) -> bool {
-        *self != Self::Transparency
+        !self.takes_layers()
+    }
+
+    /// Whether merged records will do, and the scene's volumes can be seen (but for depth of field).
+    #[must_use]
+    pub fn takes_layers(&self) -> bool {
+        matches!(self, Self::Transparency | Self::Screen(_))
     }
 
     /// Check numbers, and what the scene must have, before anything is drawn.
@@ -92,6 +110,7 @@ impl Effect {
             Self::Media { density } if !(density.is_finite() && *density >= 0.0) => {
                 Err(Error::new("--density", format!("{density} must be 0 or more, and finite")))
             }
+            Self::Screen(screen) => screen.check(),
             Self::Ldi { voxels: Some(slices) } => ldi::check(*slices),
             Self::Media { .. } | Self::Csg(_) if scene.objects.is_empty() => {
                 let problem = format!(
@@ -162,13 +181,60 @@ impl Made {
     }
 }
 
-/// Apply `effect` to a stage whose scene it has checked.
+/// Apply an effect that takes layers, with the scene's volumes, to a frame whose picture was composited; `beta` is where
+/// slabs are cut.
+#[must_use]
+pub fn make_of_layers(
+    effect: &Effect,
+    layers: &Layers<'_>,
+    marching: &Marching,
+    beta: f64,
+    composited: &Image,
+) -> Made {
+    let mut made = Made::default();
+    let (scene, format) = (layers.scene, layers.format);
+    let mut shaded = None;
+    if let Effect::Screen(screen) = effect {
+        let (lists, image) = screen.draw(layers, beta);
+        made.image = Some(image);
+        shaded = Some(lists);
+        if screen.focus.is_some() {
+            made.warnings.extend(without_volumes(effect, scene));
+            return made;
+        }
+    }
+    if scene.volumes.is_empty() {
+        return made;
+    }
+    let mut picture = made.image.take().unwrap_or_else(|| composited.clone());
+    match &shaded {
+        Some(lists) => {
+            let of = |x, y, out: &mut Vec<Record>| out.extend_from_slice(lists.pixel(x, y));
+            Scenery { scene, format, beta, layers: of }.draw(marching, &mut picture);
+        }
+        None => {
+            let of = |x, y, out: &mut Vec<Record>| layers.pixel(x, y, out);
+            Scenery { scene, format, beta, layers: of }.draw(marching, &mut picture);
+        }
+    }
+    made.image = Some(picture);
+    made
+}
+
+/// What to say of an effect that does not draw volumes, where there are any.
+#[must_use]
+pub fn without_volumes(effect: &Effect, scene: &Scene) -> Option<String> {
+    let there = !scene.volumes.is_empty();
+    there.then(|| format!("{}: the scene's volumes are not drawn", effect.name()))
+}
+
+/// Apply any other effect to a stage whose scene it has checked.
 ///
 /// # Errors
 /// As [`Effect::check`].
 pub fn make(effect: &Effect, stage: &Stage<'_>) -> Result<Made> {
     match effect {
-        Effect::Transparency => Ok(Made::default()),
+        Effect::Transparency | Effect::Screen(_) => Ok(Made::default()),
         Effect::Media { density } => Ok(media::draw(stage, *density)),
         Effect::Csg(expression) => csg::draw(stage, expression),
         Effect::Ldi { voxels } => Ok(ldi::draw(stage, *voxels)),

@@ -8,7 +8,7 @@ use crate::num::planes::Planes;
 use crate::scene::{Scene, Thickness};
 
 /// Codes of one P(z).
-const PRECISION: f64 = 256.0;
+pub const PRECISION: f64 = 256.0;
 
 /// The thickness of every triangle of a scene.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use super::importance::fresnel;
 use super::{Options, Rendering, render};
 use crate::error::{Error, Result};
 use crate::num::random;
-use crate::scene::{Bounds, Scene};
+use crate::scene::Scene;
 use crate::scheme::contract::Demand;
 use crate::scheme::hash_table::table::{MOST_CELLS, Offsets, size_for};
 
@@ -164,12 +164,13 @@ fn seen_from(scene: &Scene, part: f64) -> Scene {
     if part == 0.0 {
         return scene;
     }
+    let bounds = scene.bounds();
     let camera = &mut scene.camera;
     let Some(axis) = camera.up.try_normalize() else { return scene };
     let offset = camera.eye - camera.target;
     camera.eye = camera.target + turned(offset, axis, part * std::f64::consts::TAU);
-    if !scene.objects.is_empty() {
-        let (near, far) = camera.planes_around(Bounds::of(&scene.objects));
+    if !(scene.objects.is_empty() && scene.volumes.is_empty()) {
+        let (near, far) = camera.planes_around(bounds);
         (camera.near, camera.far) = (camera.near.min(near), camera.far.max(far));
     }
     scene

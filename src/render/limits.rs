@@ -6,7 +6,10 @@ use crate::error::{Error, Result};
 use crate::exec::Job;
 use crate::memory::Layout;
 use crate::raster::Grid;
+use crate::resolve::Kept;
+use crate::scheme::Record;
 use crate::scheme::bound::Bound;
+use crate::scheme::merging::slab::Slab;
 
 /// What executors keep per pixel in addition to the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
@@ -52,6 +55,18 @@ pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
     let generated: u64 = job.front.count_fragments().iter().sum();
     let bytes = by_k.min(generated).saturating_mul(KEPT_BYTES);
     refuse_above(options, bytes, "kept fragments")
+}
+
+/// Refuse layers in screen space that would not fit: a record, its slab and its ends for each entry.
+pub(super) fn layers(options: &Options, kept: &Kept) -> Result<()> {
+    let Effect::Screen(_) = options.effect else { return Ok(()) };
+    let entries = match kept {
+        Kept::Fragments(lists) => lists.entries.len(),
+        Kept::Records(lists) => lists.entries.len(),
+        Kept::Color(_) | Kept::Depths(_) => 0,
+    };
+    let each = 2 * size_of::<Record>() + size_of::<Slab>() + size_of::<[f64; 2]>();
+    refuse_above(options, (entries * each) as u64, "layers in screen space")
 }
 
 /// Refuse a grid of voxels that would not fit: a byte each.

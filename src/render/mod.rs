@@ -14,8 +14,9 @@ mod report;
 mod shadows;
 mod table;
 
+use crate::effect::Made;
+use crate::effect::layers::Layers;
 use crate::effect::ldi::Voxels;
-use crate::effect::{Made, Stage};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
@@ -31,6 +32,8 @@ use crate::scheme::contract::{Contract, Demand, Keeps};
 use crate::scheme::course::Course;
 
 pub use crate::effect::Effect;
+pub use crate::effect::screen::{Screen, focus::Focus, occlusion::Occlusion};
+pub use crate::effect::volume::Marching;
 pub use crate::exec::sim::Checked;
 pub use crate::exec::sim::Watched;
 pub use crate::fragment::Data;
@@ -120,7 +123,7 @@ pub fn render(scene: &Scene, options: &Options) -> Result<Rendering> {
 
 fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let (method, contract) = (options.method, options.method.contract());
-    options.effect.check(scene)?;
+    effects::check(options, scene)?;
     let mut watch = Stopwatch::start();
     let shadow = shadows::draw(scene, options, threads)?;
     let attenuation = shadow.map.map(|map| Box::new(map) as Box<dyn Attenuation>);
@@ -167,13 +170,13 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let (kept, composited) = executed.frame.assemble(&grid);
     watch.lap("assemble");
     let mut report = account(scene, options, &front, &executed);
-    let stage = |lists| Stage { scene, front: &front, format: job.record.depth, lists };
-    let Made { image, surfaces, voxels, .. } = match kept.fragments() {
-        Some(lists) => effects::make(&options.effect, &stage(lists), &mut report)?,
-        None => effects::none(&options.effect, &mut report),
-    };
+    let (format, data) = (job.record.depth, job.record.data);
+    limits::layers(options, &kept)?;
+    let layers = Layers { scene, front: &front, format, data, kept: &kept };
+    let Made { image, surfaces, voxels, .. } =
+        effects::make(options, &layers, &composited, &mut report)?;
     let image = image.unwrap_or(composited);
-    if options.effect != Effect::Transparency {
+    if options.effect != Effect::Transparency || !scene.volumes.is_empty() {
         watch.lap("effect");
     }
     shadow.outcome.into_iter().for_each(|outcome| outcome.add_to(&mut report));

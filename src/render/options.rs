@@ -2,6 +2,7 @@
 
 use crate::catalogue;
 use crate::effect::Effect;
+use crate::effect::volume::Marching;
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::fragment::Data;
@@ -45,6 +46,8 @@ pub struct Options {
     pub cull_face: CullFace,
     /// What is made from the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
     pub effect: Effect,
+    /// How rays go through the scene's volumes.
+    pub volumes: Marching,
     /// Shadows by a second frame, from the light.
     pub shadows: Option<Shadows>,
     /// Count memory operations.
@@ -64,7 +67,7 @@ pub struct Options {
     pub importance: Importance,
     /// How thick surfaces are that do not say so themselves, for a method that merges.
     pub thickness: Thickness,
-    /// For a method that cuts slabs: from optical, 0, to smooth, 1.
+    /// Where slabs are cut: from optical, 0, to smooth, 1.
     pub beta: f64,
     /// How hash tables are made.
     pub table: TableOptions,
@@ -88,6 +91,7 @@ impl Default for Options {
             data: Data::Color,
             cull_face: CullFace::None,
             effect: Effect::default(),
+            volumes: Marching::default(),
             shadows: None,
             counters: true,
             memory_budget: None,
@@ -303,7 +307,8 @@ impl Options {
         let name = self.effect.name();
         let (method, stores) = (self.method.name(), self.method.contract().data);
         let holds = self.method.holds();
-        if holds != HeldKind::Fragments && self.effect != Effect::Transparency {
+        let layered = holds == HeldKind::Records && self.effect.takes_layers();
+        if holds != HeldKind::Fragments && self.effect != Effect::Transparency && !layered {
             return Err(no_lists(method, holds, &format!("--effect {name}")));
         }
         if holds != HeldKind::Fragments && self.shadows.is_some() {

@@ -79,7 +79,7 @@ pub struct Report {
     /// Steps after which memory was checked, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checked: Option<u64>,
-    /// What was made from the lists: `oit`, `media`, `csg` or `ldi`.
+    /// What was made from the lists: `oit`, `media`, `csg`, `ldi`, `ao`, `dof` or `ao+dof`.
     pub effect: String,
     /// At how many pixels an object's faces do not pair, by its name: odd parity (`csg`; `ldi` of the whole `scene`),
     /// or more front than back faces or fewer (`media`). Objects that are closed are left out.

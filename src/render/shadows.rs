@@ -66,6 +66,7 @@ fn lit(scene: &Scene, camera: Camera, size: u32) -> Scene {
     let mut scene = Scene { camera, size: [size; 2], ..scene.clone() };
     scene.materials.iter_mut().for_each(|material| material.shading = Shading::Flat);
     scene.screen.clear();
+    scene.volumes.clear();
     scene
 }
 

@@ -67,6 +67,24 @@ impl Ray {
         Light { color, transmittance: f64::from(self.transmittance) / ALL, kept: 0 }
     }
 
+    /// The mean of rays, each part rounded to the nearest integer, halves up; the mean of equal rays is that ray. No
+    /// ray gives one that has met nothing.
+    #[must_use]
+    pub fn mean(rays: impl Iterator<Item = Self>) -> Self {
+        let (mut sums, mut count) = ([0_u64; 4], 0);
+        for Self { color: [r, g, b], transmittance } in rays {
+            for (sum, part) in sums.iter_mut().zip([r, g, b, transmittance]) {
+                *sum += u64::from(part);
+            }
+            count += 1;
+        }
+        if count == 0 {
+            return Self::default();
+        }
+        let [r, g, b, transmittance] = sums.map(|sum| ((2 * sum + count) / (2 * count)) as u32);
+        Self { color: [r, g, b], transmittance }
+    }
+
     /// Meet the background, and encode to an opaque sRGB pixel.
     #[inline]
     #[must_use]
@@ -132,6 +150,15 @@ mod tests {
         let light = Light { color: [f64::NAN, 2.0, -1.0], transmittance: f64::NAN, kept: 0 };
         let ray = Ray::of_light(&light);
         assert_eq!((ray.color, ray.transmittance), ([0, 65_535, 0], 0));
+    }
+
+    #[test]
+    fn a_mean_of_equal_rays_is_that_ray() {
+        let ray = Ray { color: [1, 65_535, 7], transmittance: 3 };
+        assert_eq!(Ray::mean([ray; 37].into_iter()), ray);
+        let other = Ray { color: [2, 65_535, 10], transmittance: 0 };
+        let mean = Ray { color: [2, 65_535, 9], transmittance: 2 };
+        assert_eq!(Ray::mean([ray, other].into_iter()), mean);
     }
 
     const WHITE: u16 = 65_535;

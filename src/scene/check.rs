@@ -123,7 +123,9 @@ pub fn screen(place: &str, index: usize, triangle: &ScreenTriangle) -> Result<()
 fn triangles(place: &str, scene: &Scene) -> Result<()> {
     let placed = scene.objects.iter().map(|object| object.mesh.primitives());
     match placed.fold(scene.screen.len(), usize::saturating_add) {
-        0 => Err(Error::new(place, "scene: has no triangle; it needs at least one")),
+        0 if scene.volumes.is_empty() => {
+            Err(Error::new(place, "scene: has no triangle and no volume; it needs at least one"))
+        }
         count if count > MAX_TRIANGLES => {
             let problem = format!("scene: {count} triangles are more than {MAX_TRIANGLES}");
             Err(Error::new(place, problem))

@@ -60,7 +60,7 @@ impl Draft {
     /// Fills what is missing, applies the overrides and checks the whole.
     pub(super) fn finish(self, overrides: &Overrides) -> Result<Scene> {
         let size = image_size(&self.name, self.size, overrides)?;
-        let bounds = Bounds::of(&self.model.objects);
+        let bounds = self.model.bounds();
         let camera = View::camera(self.view.as_ref(), bounds, size);
         let mut scene = Scene {
             name: self.name,
@@ -71,6 +71,7 @@ impl Draft {
             materials: self.model.materials,
             objects: self.model.objects,
             screen: self.model.screen,
+            volumes: self.model.volumes,
             warnings: self.model.warnings,
         };
         if scene.materials.is_empty() {

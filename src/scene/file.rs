@@ -1,17 +1,19 @@
-//! Scene files: TOML with a camera, a light, materials, objects and `screen` triangles. An unknown key is an error.
+//! Scene files: TOML with a camera, a light, materials, objects, volumes and `screen` triangles. An unknown key is an error.
 //! [`parse`] looks only at the text; [`Description::build`] then asks its caller for the models.
 
 use std::collections::BTreeMap;
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::DVec3;
 use serde::Deserialize;
 
 use super::camera::AMBIENT;
 use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
+use super::placement::Placement;
+use super::volume::VolumeTable;
 use super::{
-    Bounds, Light, Material, Model, PointSize, Scene, ScreenTriangle, Shading, Thickness, check,
-    names, procedural,
+    Light, Material, Model, PointSize, Scene, ScreenTriangle, Shading, Thickness, check, names,
+    procedural,
 };
 use crate::error::{Error, Result};
 
@@ -59,6 +61,8 @@ struct Document {
     material: Vec<MaterialTable>,
     #[serde(default)]
     object: Vec<ObjectTable>,
+    #[serde(default)]
+    volume: Vec<VolumeTable>,
     #[serde(default)]
     screen: Vec<ScreenTable>,
 }
@@ -129,21 +133,24 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Description> {
 }
 
 impl Description {
-    /// The scene, with the models that `model` gives for its objects.
+    /// The scene, with the models that `model` gives for its objects, and the files of its volumes that `read` gives.
     ///
     /// # Errors
-    /// `model`'s errors, and everything that makes a scene wrong as a whole.
+    /// The errors of both, and everything that makes a scene wrong as a whole.
     pub fn build(
         &self,
         overrides: &Overrides,
         model: &mut dyn FnMut(Source<'_>) -> Result<Model>,
+        read: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
     ) -> Result<Scene> {
         let size = image_size(&self.place, self.table.size, overrides)?;
         let mut whole = Model::default();
         whole.materials.extend(self.table.material.iter().map(MaterialTable::material));
         for (i, object) in self.table.object.iter().enumerate() {
-            let transform =
-                object.transform().map_err(|problem| self.wrong("object", i, &problem))?;
+            let transform = object
+                .placement()
+                .transform()
+                .map_err(|problem| self.wrong("object", i, &problem))?;
             let material = object.material.as_deref().and_then(|name| self.material(name));
             let found = model(object.source(size))?;
             if object.points().is_some() && found.objects.iter().any(|o| o.mesh.discs.is_empty()) {
@@ -164,6 +171,11 @@ impl Description {
                     &format!("more than {MAX_TRIANGLES} triangles"),
                 ));
             }
+        }
+        for (i, volume) in self.table.volume.iter().enumerate() {
+            let built = volume.build(read);
+            let built = built.map_err(|error| self.wrong("volume", i, &error.to_string()))?;
+            whole.volumes.push(built);
         }
         whole.screen.extend(self.table.screen.iter().map(ScreenTable::triangle));
         let view = self.table.camera.clone();
@@ -208,6 +220,9 @@ impl Description {
         }
         let objects = table.object.iter().enumerate().map(|(i, object)| object.name(i));
         names::check(objects).map_err(|(i, problem)| self.wrong("object", i, &problem))?;
+        for (i, volume) in table.volume.iter().enumerate() {
+            volume.check().map_err(|problem| self.wrong("volume", i, &problem))?;
+        }
         let mut screen = table.screen.iter().enumerate();
         screen.try_for_each(|(i, triangle)| check::screen(place, i, &triangle.triangle()))
     }
@@ -216,8 +231,7 @@ impl Description {
 impl LightTable {
     fn light(&self, draft: &Draft) -> Light {
         let camera = || {
-            let bounds = Bounds::of(&draft.model.objects);
-            View::camera(draft.view.as_ref(), bounds, draft.size.unwrap_or([1, 1]))
+            View::camera(draft.view.as_ref(), draft.model.bounds(), draft.size.unwrap_or([1, 1]))
         };
         let towards = self.towards.map(|towards| DVec3::from(towards).normalize_or_zero());
         Light {
@@ -235,6 +249,11 @@ impl MaterialTable {
 }
 
 impl ObjectTable {
+    fn placement(&self) -> Placement {
+        let Self { translate, rotate, scale, .. } = *self;
+        Placement { translate, rotate, scale }
+    }
+
     /// As written, or the letter of its place.
     fn name(&self, index: usize) -> String {
         self.name.clone().unwrap_or_else(|| names::letters(index))
@@ -289,35 +308,17 @@ impl ObjectTable {
             _ => return Err("file: needs either file or procedural".to_owned()),
         }
         self.thickness.as_ref().map_or(Ok(()), |thickness| thickness.read().map(drop))?;
-        self.transform().map(drop)
+        self.placement().transform().map(drop)
     }
 
     fn check_generator(&self, name: &str) -> Unplaced<()> {
         let builtin = procedural::find(name).map_err(|error| format!("procedural: {error}"))?;
-        let placed = self.translate.is_some() || self.rotate.is_some() || self.scale.is_some();
-        if builtin.in_pixels && (placed || self.material.is_some()) {
+        if builtin.in_pixels && (self.placement().is_given() || self.material.is_some()) {
             return Err(format!(
                 "procedural: {name} is drawn in pixels; it takes no translate, rotate, scale or material"
             ));
         }
         Ok(())
-    }
-
-    /// Scale, then rotation, then translation.
-    fn transform(&self) -> Unplaced<DMat4> {
-        let scale = self.scale.unwrap_or(1.0);
-        if !scale.is_finite() || scale == 0.0 {
-            return Err(format!("scale: {scale} must be finite and not 0"));
-        }
-        let translate = self.translate.map_or(DVec3::ZERO, DVec3::from);
-        if !translate.is_finite() {
-            return Err("translate: must be finite".to_owned());
-        }
-        let rotation = match self.rotate {
-            Some([x, y, z, degrees]) => rotation(DVec3::new(x, y, z), degrees)?,
-            None => DMat4::IDENTITY,
-        };
-        Ok(DMat4::from_translation(translate) * rotation * DMat4::from_scale(DVec3::splat(scale)))
     }
 }
 
@@ -334,33 +335,5 @@ impl ThicknessValue {
 impl ScreenTable {
     fn triangle(&self) -> ScreenTriangle {
         ScreenTriangle { points: self.points, color: self.color }
-    }
-}
-
-/// A rotation about an axis, anticlockwise seen against it (Rodrigues' formula).
-fn rotation(axis: DVec3, degrees: f64) -> Unplaced<DMat4> {
-    let axis = axis.try_normalize().filter(|axis| axis.is_finite());
-    let axis = axis.ok_or("rotate: the axis must be finite and not zero")?;
-    if !degrees.is_finite() {
-        return Err("rotate: the angle must be finite".to_owned());
-    }
-    let (s, c) = libm::sincos(degrees * (std::f64::consts::PI / 180.0));
-    let turn = |v: DVec3| {
-        let turned = v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
-        turned.extend(0.0)
-    };
-    Ok(DMat4::from_cols(turn(DVec3::X), turn(DVec3::Y), turn(DVec3::Z), DVec4::W))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rotations_follow_the_right_hand() {
-        let quarter = rotation(DVec3::Z * 5.0, 90.0).unwrap();
-        assert!((quarter.transform_point3(DVec3::X) - DVec3::Y).length() < 1e-15);
-        assert!(rotation(DVec3::ZERO, 90.0).is_err());
-        assert!(rotation(DVec3::X, f64::NAN).is_err());
     }
 }

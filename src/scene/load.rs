@@ -65,7 +65,7 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
     let description = file::parse(&read_file(path)?, &place)?;
     let size = overrides.point_size()?;
     let mut meshes: BTreeMap<(PathBuf, [Option<u32>; 2]), Model> = BTreeMap::new();
-    let mut read = |name: &str, own: PointSize| {
+    let mut read_mesh = |name: &str, own: PointSize| {
         let (path, size) = (beside(path, name), size.or(own));
         let key = (path.clone(), [size.radius, size.scale].map(|v| v.map(f32::to_bits)));
         if let Some(model) = meshes.get(&key) {
@@ -75,11 +75,13 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
         meshes.insert(key, model.clone());
         Ok(model)
     };
-    let mut scene = description.build(overrides, &mut |source| match source {
+    let mut model = |source: Source<'_>| match source {
         Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
-        Source::File(name) => read(name, PointSize::default()),
-        Source::Points { file, size } => read(file, size),
-    })?;
+        Source::File(name) => read_mesh(name, PointSize::default()),
+        Source::Points { file, size } => read_mesh(file, size),
+    };
+    let mut read = |name: &str| read_file(&beside(path, name));
+    let mut scene = description.build(overrides, &mut model, &mut read)?;
     scene.name = file_name(path);
     Ok(scene)
 }

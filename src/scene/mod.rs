@@ -1,7 +1,7 @@
 //! Scenes: what is drawn, before any pixel exists.
 //!
 //! A [`Scene`] is plain data: meshes (triangles and discs) placed by transforms, materials, one directional light, a camera, a
-//! background, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
+//! background, volumes, and `screen` triangles given directly in pixels. It comes from a mesh file, a TOML scene file
 //! or a procedural generator. The *global triangle index* counts the objects' triangles and discs in order, each object's
 //! triangles before its discs, then the screen triangles. A disc counts as one triangle wherever triangles are counted.
 
@@ -15,10 +15,12 @@ mod load;
 mod model;
 pub mod names;
 pub mod obj;
+mod placement;
 pub mod ply;
 pub mod points;
 pub mod procedural;
 mod thickness;
+pub mod volume;
 
 use std::sync::Arc;
 
@@ -33,8 +35,10 @@ pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::points::{PointSize, pcd};
 pub use self::procedural::Builtin;
 pub use self::thickness::Thickness;
+pub use self::volume::Volume;
 
-/// A whole scene, validated: every number is finite, every index is in range, and there is at least one triangle.
+/// A whole scene, validated: every number is finite, every index is in range, and there is at least one
+/// triangle or volume.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Its name in reports: the file's or the generator's name.
@@ -53,6 +57,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Triangles in pixels, drawn after the objects.
     pub screen: Vec<ScreenTriangle>,
+    /// What light passes through, placed.
+    pub volumes: Vec<Volume>,
     /// What was tolerated while loading, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -195,6 +201,12 @@ pub struct ScreenTriangle {
 }
 
 impl Scene {
+    /// Around all objects and volumes.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        volume::grown(Bounds::of(&self.objects), &self.volumes)
+    }
+
     /// Triangles and discs of all objects, and triangles of the screen.
     #[must_use]
     pub fn triangles(&self) -> u64 {

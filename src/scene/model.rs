@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::DMat4;
 
-use super::{Material, Mesh, Object, ScreenTriangle, Shading};
+use super::volume::{self, Volume};
+use super::{Bounds, Material, Mesh, Object, ScreenTriangle, Shading};
 use crate::error::{Error, Result};
 
 /// A result whose error says what is wrong, but not yet where.
@@ -29,6 +30,8 @@ pub struct Model {
     pub objects: Vec<Object>,
     /// Triangles in pixels.
     pub screen: Vec<ScreenTriangle>,
+    /// Placed volumes.
+    pub volumes: Vec<Volume>,
     /// What was tolerated, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -65,6 +68,7 @@ impl Model {
             thickness: object.thickness,
         }));
         self.screen.extend(other.screen);
+        self.volumes.extend(other.volumes);
         self.warnings.extend(other.warnings);
     }
 
@@ -72,6 +76,11 @@ impl Model {
     pub(super) fn call(&mut self, name: &str) {
         let nameless = self.objects.iter_mut().filter(|object| object.name.is_empty());
         nameless.for_each(|object| name.clone_into(&mut object.name));
+    }
+
+    /// Around all placed meshes and volumes.
+    pub(super) fn bounds(&self) -> Bounds {
+        volume::grown(Bounds::of(&self.objects), &self.volumes)
     }
 
     /// How many triangles and discs there are, placed ones and screen triangles together.

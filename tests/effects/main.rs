@@ -4,15 +4,19 @@
 //! * CSG: intervals of every object along every ray, from the exact fragments, and algebra on sets of intervals.
 //! * Layered depth images: even parity of closed meshes; voxels one by one.
 //! * Shadows: the colour words of a floor below panes of glass.
+//! * Volumes: the law of Beer and Lambert, around surfaces.
+//! * Ambient occlusion and depth of field: what changes nothing, and a corner and a blur in closed form.
 //! * What a user meets: warnings and errors.
 
 mod csg;
 mod faults;
 mod ldi;
 mod media;
+mod screen;
 mod shadows;
 #[path = "../support/mod.rs"]
 mod support;
+mod volumes;
 
 use fragloom::render::{Effect, Exec, Options, Policy};
 use fragloom::scene::{self, Overrides, Scene};

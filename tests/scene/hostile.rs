@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use fragloom::error::{Error, Result};
+use fragloom::scene::volume::{Grid, npy, nrrd};
 use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
 use proptest::prelude::*;
 
@@ -36,6 +37,20 @@ const TOML: &[u8] = b"size = [8, 8]\n[camera]\neye = [0.0, 0.0, 4.0]\ntarget = [
     rotate = [0, 1, 0, 30]\n[[object]]\nprocedural = \"cubes\"\nsides = 8\n[[screen]]\n\
     points = [[1, 2, 0.5], [3, 4, 0.5], [5, 6, 1]]\ncolor = [1, 1, 1, 0.5]\n";
 
+const NPY: &[u8] =
+    b"\x93NUMPY\x01\x00\x3c\x00{'descr': '<i2', 'fortran_order': True, 'shape': (2, 1, 3)}\n\
+    \x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06\x00";
+
+const NRRD: &[u8] =
+    b"NRRD0004\n# it\ntype: int16\ndimension: 3\nsizes: 3 1 2\nendian: big\nspacings: 1 2 0.5\n\
+    encoding: raw\n\n\x00\x01\x00\x02\x00\x03\x00\x04\x00\x05\x00\x06";
+
+fn assert_grid(result: Result<Grid>) {
+    let Ok(grid) = result else { return };
+    assert_eq!(grid.values().len(), grid.size().iter().product::<usize>());
+    assert!(grid.values().iter().all(|value| value.is_finite()));
+}
+
 fn assert_whole(result: Result<Model>) {
     let Ok(model) = result else { return };
     assert!(model.triangles() > 0);
@@ -51,6 +66,8 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(obj::parse(OBJ, "it", &mut |_| Some(bytes.to_vec())));
     assert_whole(ply::parse(bytes, "it"));
     assert_whole(pcd::parse(bytes, "it"));
+    assert_grid(npy::parse(bytes, "it"));
+    assert_grid(nrrd::parse(bytes, "it", &mut |_| Ok(bytes.to_vec())));
     let reads = RefCell::new(0);
     assert_whole(gltf::parse(bytes, "it", &mut |_| {
         *reads.borrow_mut() += 1;
@@ -59,7 +76,9 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(gltf::parse(GLTF, "it", &mut |_| Ok(bytes.to_vec())));
     if let Ok(description) = file::parse(bytes, "it") {
         let mut model = |_: file::Source<'_>| obj::parse(OBJ, "it", &mut |_| None);
-        if let Ok(scene) = description.build(&Overrides::default(), &mut model) {
+        if let Ok(scene) =
+            description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new()))
+        {
             check::scene(&scene).unwrap();
         }
     }
@@ -73,8 +92,12 @@ fn the_seeds_are_good() {
     pcd::parse(PCD, "it").unwrap();
     assert_eq!(pcd::parse(PACKED, "it").unwrap().triangles(), 2);
     gltf::parse(GLTF, "it", &mut |_| Ok(vec![0; 36])).unwrap();
+    npy::parse(NPY, "it").unwrap();
+    nrrd::parse(NRRD, "it", &mut |_| Ok(Vec::new())).unwrap();
     let description = file::parse(TOML, "it").unwrap();
-    description.build(&Overrides::default(), &mut |_| ply::parse(PLY, "it")).unwrap();
+    description
+        .build(&Overrides::default(), &mut |_| ply::parse(PLY, "it"), &mut |_| Ok(Vec::new()))
+        .unwrap();
 }
 
 /// One change of a file: a byte set, a piece cut out, or a piece repeated elsewhere.
@@ -132,10 +155,11 @@ proptest! {
 
     #[test]
     fn damaged_files_never_panic(
-        which in 0..8_usize,
+        which in 0..10_usize,
         edits in edits(),
     ) {
-        let mut bytes = [OBJ, MTL, PLY, GLTF, TOML, POINTS, PCD, PACKED][which].to_vec();
+        let seeds = [OBJ, MTL, PLY, GLTF, TOML, POINTS, PCD, PACKED, NPY, NRRD];
+        let mut bytes = seeds[which].to_vec();
         edits.iter().for_each(|edit| edit.apply(&mut bytes));
         load_as_all(&bytes);
     }

@@ -14,6 +14,7 @@ mod pcd;
 mod ply;
 mod points;
 mod procedural;
+mod volumes;
 
 use fragloom::error::Result;
 use fragloom::scene::Scene;

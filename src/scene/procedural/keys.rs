@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use toml::Value;
 
-use super::Builtin;
 use crate::error::{Error, Result};
 
 /// One setting.
@@ -37,7 +36,7 @@ pub enum Range {
 
 impl Key {
     /// The random seed, which most scenes have.
-    pub(super) const SEED: Self =
+    pub(in crate::scene) const SEED: Self =
         Self { name: "seed", default: "1", range: Range::Seed, about: "of the random numbers" };
 
     /// The opacity of all surfaces.
@@ -49,17 +48,23 @@ impl Key {
 /// The values of one scene's keys.
 #[derive(Clone, Copy, Debug)]
 pub struct Keys<'a> {
-    builtin: &'a Builtin,
+    /// Whose keys they are.
+    owner: &'a str,
+    known: &'a [Key],
     given: &'a BTreeMap<String, Value>,
 }
 
 impl<'a> Keys<'a> {
-    /// Refuses keys that the scene does not have.
-    pub(super) fn new(builtin: &'a Builtin, given: &'a BTreeMap<String, Value>) -> Result<Self> {
-        let keys = Self { builtin, given };
-        match given.keys().find(|name| !builtin.keys.iter().any(|key| key.name == **name)) {
+    /// Refuses keys that the owner does not have.
+    pub(in crate::scene) fn new(
+        owner: &'a str,
+        known: &'a [Key],
+        given: &'a BTreeMap<String, Value>,
+    ) -> Result<Self> {
+        let keys = Self { owner, known, given };
+        match given.keys().find(|name| !known.iter().any(|key| key.name == **name)) {
             Some(name) => {
-                let names: Vec<_> = builtin.keys.iter().map(|key| key.name).collect();
+                let names: Vec<_> = known.iter().map(|key| key.name).collect();
                 Err(keys.wrong(name, &format!("is not a key; there are {}", names.join(", "))))
             }
             None => Ok(keys),
@@ -67,20 +72,20 @@ impl<'a> Keys<'a> {
     }
 
     /// An error about one key.
-    pub(super) fn wrong(&self, name: &str, problem: &str) -> Error {
-        Error::new(self.builtin.name, format!("{name}: {problem}"))
+    pub(in crate::scene) fn wrong(&self, name: &str, problem: &str) -> Error {
+        Error::new(self.owner, format!("{name}: {problem}"))
     }
 
     /// A key's description and value.
     fn get(&self, name: &str) -> Result<(&'a Key, Value)> {
-        let key = self.builtin.keys.iter().find(|key| key.name == name);
+        let key = self.known.iter().find(|key| key.name == name);
         let key = key.ok_or_else(|| self.wrong(name, "is not a key"))?;
         let value = self.given.get(name).cloned();
         Ok((key, value.unwrap_or_else(|| super::value_of(key.default))))
     }
 
     /// A whole number in its range.
-    pub(super) fn count(&self, name: &str) -> Result<u32> {
+    pub(in crate::scene) fn count(&self, name: &str) -> Result<u32> {
         let (key, value) = self.get(name)?;
         let number =
             value.as_integer().ok_or_else(|| self.wrong(name, "must be a whole number"))?;
@@ -96,14 +101,14 @@ impl<'a> Keys<'a> {
     }
 
     /// The seed.
-    pub(super) fn seed(&self) -> Result<u64> {
+    pub(in crate::scene) fn seed(&self) -> Result<u64> {
         let (key, value) = self.get("seed")?;
         let seed = value.as_integer().and_then(|seed| u64::try_from(seed).ok());
         seed.ok_or_else(|| self.wrong(key.name, "must be a whole number, 0 to 2^63 - 1"))
     }
 
     /// A real number in its range.
-    pub(super) fn real(&self, name: &str) -> Result<f64> {
+    pub(in crate::scene) fn real(&self, name: &str) -> Result<f64> {
         let (key, value) = self.get(name)?;
         let number = real(&value).ok_or_else(|| self.wrong(name, "must be a number"))?;
         match key.range {

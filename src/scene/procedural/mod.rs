@@ -61,7 +61,7 @@ pub fn builtin() -> &'static [Builtin] {
 /// Names the scene and the key: unknown, of the wrong type or out of range.
 pub fn generate(name: &str, keys: &BTreeMap<String, toml::Value>, size: [u32; 2]) -> Result<Model> {
     let builtin = find(name)?;
-    let keys = Keys::new(builtin, keys)?;
+    let keys = Keys::new(builtin.name, builtin.keys, keys)?;
     (builtin.generate)(&keys, size)
 }
 

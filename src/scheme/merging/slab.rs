@@ -171,6 +171,12 @@ impl Slab {
         std::array::from_fn(|i| (blending.stored(parts[i]), part(adds[i])))
     }
 
+    /// What lies between two distances, with its part of the sum of opacities; the cuts are measured on the whole slab.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64, blending: &Blending) -> (Visibility, f64) {
+        self.cut(from, to, blending)[1]
+    }
+
     /// Smooth merging (section 3.2.1): this one and another that overlaps it and is not nearer, as one.
     #[must_use]
     pub fn smooth(&self, next: &Self, blending: &Blending) -> Self {
