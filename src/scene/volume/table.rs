@@ -174,7 +174,9 @@ impl VolumeTable {
         }
         let steps = extent.length() * scale / step;
         if steps.is_nan() || steps > MAX_STEPS {
-            return Err(format!("step: {step} makes more than {MAX_STEPS} steps through the box"));
+            return Err(format!(
+                "step: {step:?} makes more than {MAX_STEPS} steps through the box"
+            ));
         }
         let (transfer, interpolation) = (self.transfer()?, self.interpolation);
         let (density, step_unit) = (self.density.unwrap_or(1.0), self.step_unit.unwrap_or(1.0));
