@@ -31,6 +31,7 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
         camera,
         light: Light { towards: DVec3::Z, ambient: 0.5 },
         materials: vec![material],
+        volumes: Vec::new(),
         objects: vec![Object {
             name: "a".to_owned(),
             mesh,

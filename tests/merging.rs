@@ -625,6 +625,7 @@ fn an_object_has_its_own_thickness() {
                 };
                 fragloom::scene::procedural::generate("box", keys, size)
             },
+            &mut |_| Ok(Vec::new()),
         )
     };
     let of = |own: &str| load(own).map(|scene| scene.objects[0].thickness);
