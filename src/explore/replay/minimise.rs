@@ -78,7 +78,7 @@ pub fn minimise_litmus(
         return Ok(token.clone());
     }
     // One run cannot show that there are other results; it can show that its own result is wrong.
-    let property = if property == Property::OneOutcome { Property::Keeps } else { property };
+    let property = if property.is_of_all_results() { Property::Keeps } else { property };
     let failure = Failure {
         subject,
         conditions: token.conditions(),

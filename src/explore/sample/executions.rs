@@ -137,9 +137,12 @@ impl Executions {
             images.entry(&e.image_hash).or_insert(e);
         });
         let mut row = self.row(subject, scene, Property::OneOutcome, done.len());
-        if images.len() > 1 && subject.contract.keeps == Keeps::Visible {
+        let merges =
+            subject.contract.keeps == Keeps::Merged && subject.contract.is_arrival_dependent();
+        if images.len() > 1 && (merges || subject.contract.keeps == Keeps::Visible) {
+            let what = if merges { "merged" } else { "culled" };
             row.message = format!(
-                "{} different images in {} executions: which fragments are culled may depend on arrival",
+                "{} different images in {} executions: which fragments are {what} may depend on arrival",
                 images.len(),
                 done.len()
             );

@@ -15,6 +15,7 @@ use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
 use crate::explore::program::machine::{Conditions, Final, Machine, Moved, Stop};
 use crate::explore::program::schedule::{Move, Schedule};
+use crate::scheme::Keeps;
 use crate::scheme::task::Task;
 use crate::scheme::{Held, Moment};
 
@@ -156,7 +157,13 @@ impl<'a> Search<'a> {
             let has_right = states.iter().any(|s| s.0);
             let shown = if has_right { states[0].1 } else { states[1].1 };
             let message = format!("{} different results", outcomes.len());
-            self.violations.insert(Property::OneOutcome, (shown, None, message));
+            let declared = contract.is_arrival_dependent() && contract.keeps == Keeps::Merged;
+            let property = if declared && expected.is_none() {
+                Property::ArrivalFree
+            } else {
+                Property::OneOutcome
+            };
+            self.violations.insert(property, (shown, None, message));
         }
         let violations = std::mem::take(&mut self.violations).into_iter();
         let violations = violations.map(|(property, (state, last, message))| {

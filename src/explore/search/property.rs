@@ -25,8 +25,11 @@ pub enum Property {
     Bounds,
     /// The method's own invariant.
     Invariant,
-    /// The result is the same for all interleavings.
+    /// The result is the same for all interleavings, unless the contract says that it may depend on arrival, and what
+    /// the method specifies leaves it open.
     OneOutcome,
+    /// The result is the same for all interleavings, whatever the contract says: asked by claims alone.
+    ArrivalFree,
     /// No two conflicting accesses, of which one is plain, are unordered.
     RaceFree,
     /// Every invocation ends.
@@ -39,7 +42,7 @@ pub enum Property {
 
 impl Property {
     /// All, in the order of reports.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Keeps,
         Self::Intact,
         Self::Accounting,
@@ -47,6 +50,7 @@ impl Property {
         Self::Bounds,
         Self::Invariant,
         Self::OneOutcome,
+        Self::ArrivalFree,
         Self::RaceFree,
         Self::Termination,
         Self::Panics,
@@ -55,6 +59,12 @@ impl Property {
 
     /// Those without which nothing can be checked: they have a row only where they are violated.
     pub const CONDITIONS: [Self; 2] = [Self::Panics, Self::Repeats];
+
+    /// It is about all results together: no single run shows that it fails.
+    #[must_use]
+    pub fn is_of_all_results(self) -> bool {
+        matches!(self, Self::OneOutcome | Self::ArrivalFree)
+    }
 
     /// The name in reports.
     #[must_use]
@@ -67,6 +77,7 @@ impl Property {
             Self::Bounds => "bounds",
             Self::Invariant => "invariant",
             Self::OneOutcome => "one-outcome",
+            Self::ArrivalFree => "arrival-free",
             Self::RaceFree => "race-free",
             Self::Termination => "termination",
             Self::Panics => "panics",

@@ -232,7 +232,7 @@ pub const CLAIMS: &[Claim] = &[
         )
     },
     Claim {
-        properties: &[Property::OneOutcome, Property::Keeps],
+        properties: &[Property::ArrivalFree, Property::OneOutcome, Property::Keeps],
         ..claim(
             "C14",
             THICKNESS,
@@ -330,7 +330,8 @@ impl Claim {
 
     /// The worst of the properties' rows; of several violations, the one on the smallest instance.
     fn row(&self, survey: &Survey, asked: &[Property]) -> Finding {
-        let of_claim = self.properties.iter().filter(|p| asked.contains(p));
+        let own = |p: &&Property| asked.contains(p) || **p == Property::ArrivalFree;
+        let of_claim = self.properties.iter().filter(own);
         let rows: Vec<Finding> = of_claim.map(|&p| survey.row(p)).collect();
         let size = |row: &Finding| row.steps.unwrap_or(u64::MAX);
         let worst = rows

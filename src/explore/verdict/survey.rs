@@ -223,7 +223,7 @@ impl Survey {
             row.states = explored.states as u64;
             row.steps = Some(found.schedule.len() as u64);
             (row.token, row.message) = self.witness(property, litmus, found);
-            if property == Property::OneOutcome {
+            if property.is_of_all_results() {
                 row.outcomes = outcomes(explored);
             }
             return row;
@@ -392,7 +392,7 @@ pub(super) fn witness(
     let (method, name) = (subject.contract.name, property.name());
     let token = LitmusToken::new(method, name, litmus, conditions, schedule, &run);
     let message = match (property, told, &run.end) {
-        (Property::OneOutcome, _, Some(end)) => {
+        (all, _, Some(end)) if all.is_of_all_results() => {
             format!("{message}; this schedule gives {}", pixels_told(&end.pixels))
         }
         (_, Some(told), _) => told,
@@ -422,6 +422,7 @@ pub fn properties(subject: &Subject, memory: MemoryModel) -> Vec<Property> {
         Property::MutualExclusion => locks,
         Property::RaceFree => races,
         Property::Termination | Property::Panics | Property::Repeats => false,
+        Property::ArrivalFree => false,
         _ => true,
     };
     Property::ALL.into_iter().filter(asked).collect()
