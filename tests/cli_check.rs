@@ -162,8 +162,10 @@ fn claims_are_listed_and_recomputed() {
     };
     assert_eq!(of("kplus-array@published"), "violated");
     assert_ne!(of("kplus-array"), "violated");
-    let (code, c14) = rows(&dir, "check --claim c14");
-    assert_eq!((code, &c14[0]["verdict"]), (0, &"unknown".into()), "no method has it yet");
+    let (code, c14) = rows(&dir, "check --claim c14 dfb+ofm skb+ofm -n 3 -k 2 --memory-model sc");
+    let verdicts: Vec<&Value> = c14.iter().map(|row| &row["verdict"]).collect();
+    assert_eq!((code, verdicts), (1, vec![&"verified".into(), &"violated".into()]));
+    assert!(c14[1]["message"].as_str().unwrap().contains("2 different results"));
     let (code, c11) = rows(&dir, "check --claim C11 -n 3 --memory-model sc");
     let verdicts: Vec<&Value> = c11.iter().map(|row| &row["verdict"]).collect();
     assert_eq!((code, verdicts), (1, vec![&"verified".into(), &"violated".into()]));
