@@ -255,17 +255,17 @@ fn tables(contract: &Contract, n: u32, pixels: u32) -> Vec<TableSettings> {
 
 /// The thicknesses to try, for a method with slabs. A slab may be a surface (0), touch the next nearer depth (1), reach
 /// just beyond it (2), or beyond the one after that (3): by the digits of a choice, one for each fragment in turn. Where
-/// other things are varied (`few`), all reach beyond the next.
+/// other things are varied (`few`), all reach beyond the next; few choices are tried of a method that merges in resolve.
 fn thicknesses(sorted: &[Entry], contract: &Contract, few: bool) -> Vec<Vec<Entry>> {
     const CHOICES: [[usize; 4]; 9] = [
         [2, 2, 2, 2],
-        [0, 0, 0, 0],
+        [3, 1, 3, 2],
         [1, 1, 1, 1],
+        [0, 0, 0, 0],
         [3, 3, 3, 3],
         [2, 0, 2, 0],
         [0, 2, 0, 2],
         [0, 0, 3, 3],
-        [3, 2, 3, 1],
         [0, 3, 0, 0],
     ];
     if !contract.has_slabs() {
@@ -292,7 +292,12 @@ fn thicknesses(sorted: &[Entry], contract: &Contract, few: bool) -> Vec<Vec<Entr
         };
         sorted.iter().zip(choice.iter().cycle()).map(thick).collect()
     };
-    let choices = if few { &CHOICES[..1] } else { &CHOICES };
+    // Where all fragments are stored first, interleavings do not depend on them.
+    let choices = match (few, contract.is_pooled()) {
+        (true, _) => &CHOICES[..1],
+        (false, true) => &CHOICES[..2],
+        (false, false) => &CHOICES[..],
+    };
     let mut all: Vec<Vec<Entry>> = choices.iter().map(of).collect();
     all.sort_unstable();
     all.dedup();
