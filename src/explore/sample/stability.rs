@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::exec::Method;
 use crate::num::random::Random;
 use crate::render::{Exec, Options, Policy, Report, Sim, TableOptions, render};
-use crate::scene::{self, Overrides, Scene};
+use crate::scene::{self, Overrides, Scene, Thickness};
 use crate::scheme::contract::Keeps;
 
 /// What was observed of one method.
@@ -160,6 +160,8 @@ impl Runs {
                 ..TableOptions::default()
             },
             memory_budget,
+            // One and a half layers of these scenes, so that slabs form chains.
+            thickness: Thickness::Precision(1e6),
             ..Options::default()
         };
         Ok(render(scene, &options)?.report)
