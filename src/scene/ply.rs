@@ -10,7 +10,7 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 
-use super::model::{GREY, Unplaced};
+use super::model::{GREY, MAX_TRIANGLES, Unplaced};
 use super::points::table::{self, Table};
 use super::{Material, Mesh, Model, PointSize, check, points};
 use crate::error::{Error, Result};
@@ -110,6 +110,10 @@ fn check_header(header: &Header, length: usize) -> Unplaced<()> {
         return Err(format!("element vertex: property {axis}: is missing"));
     }
     if faces(header) == 0 {
+        if vertex.count > MAX_TRIANGLES {
+            let count = vertex.count;
+            return Err(format!("element vertex: count: {count} are more than {MAX_TRIANGLES}"));
+        }
         return Ok(());
     }
     let face = element("face")?;

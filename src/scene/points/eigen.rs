@@ -36,10 +36,9 @@ fn rotate(m: &mut [[f64; 3]; 3], vectors: &mut [[f64; 3]; 3], p: usize, q: usize
     for row in &mut *m {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
     }
-    for column in 0..3 {
-        let (a, b) = (m[p][column], m[q][column]);
-        (m[p][column], m[q][column]) = (c * a - s * b, s * a + c * b);
-    }
+    let (a, b) = (m[p], m[q]);
+    m[p] = std::array::from_fn(|i| c * a[i] - s * b[i]);
+    m[q] = std::array::from_fn(|i| s * a[i] + c * b[i]);
     (m[p][q], m[q][p]) = (0.0, 0.0);
     for row in vectors {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);

@@ -9,7 +9,7 @@ use super::table::{self, ALPHA, COLOR, COLUMNS, Row, Table};
 use super::{PointSize, lzf, model};
 use crate::error::{Error, Result};
 use crate::scene::Model;
-use crate::scene::model::Unplaced;
+use crate::scene::model::{MAX_TRIANGLES, Unplaced};
 
 /// The most bytes of a point, and the most values.
 const MAX_POINT: usize = 1 << 16;
@@ -101,10 +101,10 @@ impl Header {
                 }
                 "VERSION" | "VIEWPOINT" => {}
                 "FIELDS" | "COLUMNS" => {
-                    fields = words.iter().map(|&word| word.to_owned()).collect()
+                    fields = words.iter().map(|&word| word.to_owned()).collect();
                 }
                 "SIZE" => sizes = numbers()?,
-                "TYPE" => types = words.iter().map(|word| kind(word)).collect::<Unplaced<_>>()?,
+                "TYPE" => types = words.iter().map(kind).collect::<Unplaced<_>>()?,
                 "COUNT" => counts = numbers()?,
                 "WIDTH" => width = one()?,
                 "HEIGHT" => height = one()?,
@@ -112,6 +112,9 @@ impl Header {
                 "DATA" => {
                     let encoding = encoding(&words)?;
                     let points = count(width, height, points)?;
+                    if points > MAX_TRIANGLES {
+                        return Err(format!("POINTS: {points} are more than {MAX_TRIANGLES}"));
+                    }
                     let fields = layout(&fields, &sizes, &types, &counts)?;
                     return Ok((Self { fields, points, encoding }, lines.left));
                 }
