@@ -176,7 +176,7 @@ impl Effects {
     /// `ao`, `dof` or both.
     fn screen(&self) -> Option<Screen> {
         let (ao, dof) = match self.effect.strip_suffix("dof") {
-            Some(ao) if ao.is_empty() => (None, true),
+            Some("") => (None, true),
             Some(ao) => (Some(ao.strip_suffix('+')?), true),
             None => (Some(self.effect.as_str()), false),
         };

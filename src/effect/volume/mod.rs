@@ -116,9 +116,9 @@ impl<R: Fn(u32, u32, &mut Vec<Record>) + Sync> Scenery<'_, R> {
                 let mut meeting = Meeting::new(&slabs, blending);
                 path.walk(sight, &passages, |sample| {
                     if marching.merge {
-                        meeting.merge(&sample)
+                        meeting.merge(&sample);
                     } else {
-                        meeting.pass(&sample)
+                        meeting.pass(&sample);
                     }
                     meeting.through() >= marching.until && meeting.through() > 0.0
                 });
