@@ -172,7 +172,7 @@ mod paper {
         F { z: g.z, t: g.z - fn_.min(gn), v, a: f.a + g.a }
     }
 
-    /// The listing, with line 20's F_i read as f_i.
+    /// The listing, with line 20's `F_i` read as `f_i`.
     pub(crate) fn algorithm(input: &[F], m: usize, beta: f64) -> Vec<F> {
         let mut output: Vec<F> = Vec::new();
         let n = input.len();

@@ -23,7 +23,7 @@ pub const CONTRACT: Contract = Contract {
 /// The fragments of a tile's pixels, in storage order (`Grid::local_pixel`), front to back: all, or the nearest k.
 #[must_use]
 pub fn tile(front: &FrontEnd, tile: usize, record: Record, k: Option<u32>) -> Vec<Vec<u64>> {
-    let mut pixels = collect(front, tile, record, |fragment| fragment.key());
+    let mut pixels = collect(front, tile, record, Fragment::key);
     pixels.iter_mut().for_each(|keys| nearest(keys, k));
     pixels
 }

@@ -24,11 +24,11 @@ use crate::scene;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
+    /// A mesh (.obj, .gltf, .glb, .ply, .pcd), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
     #[arg(value_name = "SCENE")]
     scene: String,
 
-    /// The pixel: column and row, counted from 0 at the top left
+    /// The pixel: column and row, counted from 0 at the top left [default: none; it must be given]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: String,
 

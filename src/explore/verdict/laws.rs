@@ -112,7 +112,7 @@ fn describe(beta: f64, [a, b]: [Fragment; 2]) -> String {
 fn restores(subject: &Subject) -> Tried {
     let grid = "every opacity, nine places of an invisible slab, beta 0, 0.5 and 1, both orders";
     let mut tried = Tried::new(grid, ROUNDING);
-    let half = THICK as i64 / 2;
+    let half = i64::from(THICK) / 2;
     for beta in [0.0, 0.5, 1.0] {
         let Some(pixel) = pixel(subject, beta) else { return tried };
         for alpha in 0..=255u32 {

@@ -216,7 +216,7 @@ impl Slab {
 /// Algorithm 1: slabs, sorted by their far ends, become at most `most` (at least 1), in one pass. What overlaps the slab
 /// in hand is merged into it; what does not takes its place, while there is room; then it is put behind it.
 ///
-/// As printed, line 20 assigns the merged slab to an array that is not there: it is the slab in hand, f_i, which the
+/// As printed, line 20 assigns the merged slab to an array that is not there: it is the slab in hand, `f_i`, which the
 /// next iteration goes on with.
 pub fn merge_sorted(
     slabs: impl IntoIterator<Item = Slab>,
