@@ -1,7 +1,5 @@
 //! `fragloom inspect`: the table, the document, the plots, and what is said of wrong input.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
-
 #[path = "support/command.rs"]
 mod support;
 

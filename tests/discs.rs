@@ -24,7 +24,7 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
     };
     let mesh = Arc::new(Mesh { discs, ..Mesh::default() });
     let material = Material { shading: Shading::Flat, ..Material::new("m", [1.0; 3], 1.0) };
-    let scene = Scene {
+    Scene {
         name: "discs".to_owned(),
         size: SIZE,
         background: [0.0; 3],
@@ -41,8 +41,7 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
         }],
         screen: Vec::new(),
         warnings: Vec::new(),
-    };
-    scene
+    }
 }
 
 fn front(scene: &Scene) -> FrontEnd {

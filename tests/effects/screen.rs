@@ -203,8 +203,11 @@ fn an_edge_is_blurred_by_the_disc() {
     ] {
         let mut screen = dof(1.2, 4.0);
         screen.focus.as_mut().expect("a lens").samples = 1_024;
-        let image =
-            draw(&scene([120, 120], projection, &[edge.clone()]), &with(screen, "exact")).image;
+        let image = draw(
+            &scene([120, 120], projection, std::slice::from_ref(&edge)),
+            &with(screen, "exact"),
+        )
+        .image;
         for x in 45..75 {
             let off = ((f64::from(x) + 0.5 - 60.0) / blur).clamp(-1.0, 1.0);
             let segment = (libm::acos(-off) + off * (1.0 - off * off).sqrt()) / PI;

@@ -79,7 +79,7 @@ const BYTES: i32 = 1;
 fn is_everywhere(image: &Image, expected: [u8; 4]) {
     for (i, pixel) in image.pixels.iter().enumerate() {
         let apart = pixel.iter().zip(expected).map(|(a, b)| (i32::from(*a) - i32::from(b)).abs());
-        assert!(apart.max().unwrap() <= BYTES, "{i}: {pixel:?} {expected:?}");
+        assert!(apart.max().expect("channels") <= BYTES, "{i}: {pixel:?} {expected:?}");
     }
 }
 
