@@ -3,10 +3,10 @@
 //! The surfaces are drawn, resolved and merged first. Then each pixel's ray goes through the scene's volumes, front to
 //! back, from the near to the far plane. Where it enters or leaves a box, a new row of steps begins: steps of the
 //! shortest `step` of the volumes that it is in, in world units along the ray, the last one shorter. A sample is taken
-//! in the middle of each step ([`path`]). A value of opacity A per s0 world units stops 1 - (1 - A)^(density s / s0) of
+//! in the middle of each step (`path`). A value of opacity A per s0 world units stops 1 - (1 - A)^(density s / s0) of
 //! the light; where several volumes are, their extinctions add up, and colours mix by opacity.
 //!
-//! A sample is a slab as thick as its step. It meets the pixel's layers by smooth fragment merging ([`merge`]), or, if
+//! A sample is a slab as thick as its step. It meets the pixel's layers by smooth fragment merging (`merge`), or, if
 //! that is turned off, stands behind those that end before it does.
 //!
 //! A ray ends where less than `until` of the light is left, so no channel is off by more than that. A pixel whose ray

@@ -1,7 +1,7 @@
 //! Point sets: every point becomes a disc.
 //!
-//! A file gives a table with a row per point ([`table`]). What a row lacks is estimated from its neighbours
-//! ([`estimate`]); a row of a Gaussian splat has all it needs ([`splat`]).
+//! A file gives a table with a row per point (`table`). What a row lacks is estimated from its neighbours
+//! (`estimate`); a row of a Gaussian splat has all it needs (`splat`).
 
 mod eigen;
 mod estimate;
