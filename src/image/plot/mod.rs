@@ -116,7 +116,10 @@ impl Plot {
     /// passes here.
     fn legend(&self, axes: &Axes) -> [f64; 2] {
         let longest = self.curves.iter().map(|curve| curve.name.chars().count()).max();
-        let size = [SAMPLE + LETTER * longest.unwrap_or(0) as f64, LINE * self.curves.len() as f64];
+        let size = [
+            SAMPLE + LETTER * longest.unwrap_or(0) as f64,
+            LINE * (self.curves.len() as f64 + 0.5),
+        ];
         let top_left = [LEFT + 12.0, TOP];
         let bottom_right = [SIZE[0] - RIGHT - 12.0 - size[0], SIZE[1] - BOTTOM - 10.0 - size[1]];
         let is_free = |[left, top]: [f64; 2]| {
