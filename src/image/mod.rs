@@ -6,6 +6,7 @@ pub mod difference;
 pub mod heat;
 pub mod png;
 pub mod ramp;
+pub mod row;
 pub mod sheet;
 pub mod similarity;
 

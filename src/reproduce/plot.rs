@@ -1,11 +1,14 @@
 //! Curves as an SVG drawing: plain text, the same bytes everywhere.
 
+/// Where a line ends and another of the same curve begins.
+pub const GAP: [f64; 2] = [f64::NAN; 2];
+
 /// A line through points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// What it is.
     pub name: String,
-    /// (x, y), in the order in which they are joined.
+    /// (x, y), in the order in which they are joined. What follows a [`GAP`] is a line of its own.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -37,7 +40,8 @@ const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
 
 /// Colours that most eyes can distinguish (Okabe, Ito 2008).
-const COLORS: [&str; 5] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000"];
+const COLORS: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
 
 impl Plot {
     /// The drawing.
@@ -80,14 +84,16 @@ impl Plot {
             line(label(across - 8.0, down + 4.0, "end", &number(tick)));
         }
         for ((i, curve), color) in self.curves.iter().enumerate().zip(COLORS.iter().cycle()) {
-            let points = curve.points.iter().map(|&point| {
-                let [across, down] = place(point);
-                format!("{across:.1},{down:.1}")
-            });
-            let points = points.collect::<Vec<_>>().join(" ");
-            line(format!(
-                "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"/>"
-            ));
+            for part in curve.points.split(|point| point[0].is_nan()) {
+                let points = part.iter().map(|&point| {
+                    let [across, down] = place(point);
+                    format!("{across:.1},{down:.1}")
+                });
+                let points = points.collect::<Vec<_>>().join(" ");
+                line(format!(
+                    "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"/>"
+                ));
+            }
             let down = TOP + 16.0 + 18.0 * i as f64;
             line(format!(
                 "<line x1=\"{0:.1}\" y1=\"{1:.1}\" x2=\"{2:.1}\" y2=\"{1:.1}\" stroke=\"{color}\" stroke-width=\"3\"/>",
@@ -177,5 +183,15 @@ mod tests {
             assert!(svg.contains(part), "{part}");
         }
         assert!(Plot::default().svg().contains("</svg>"), "also without points");
+    }
+
+    #[test]
+    fn a_gap_ends_a_line() {
+        let mut curve = Curve::new("two lines");
+        curve.points = vec![[0.0, 1.0], [1.0, 1.0], GAP, [2.0, 3.0], [3.0, 3.0]];
+        let plot = Plot { title: "title", x: "across", y: "up", curves: vec![curve] };
+        let svg = plot.svg();
+        assert_eq!(svg.matches("<polyline").count(), 2);
+        assert!(!svg.contains("NaN"), "{svg}");
     }
 }
