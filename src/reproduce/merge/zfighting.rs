@@ -28,6 +28,9 @@ const STILL: f64 = 0.5;
 /// The paper's thickness.
 const TWICE: Thickness = Thickness::Precision(2.0);
 
+/// What covers the rounding of vertices where planes fit the scene.
+const THOUSANDFOLD: Thickness = Thickness::Precision(1_000.0);
+
 /// The methods of both figures.
 const HOWS: [How; 4] = [
     DFB,
@@ -81,19 +84,18 @@ pub(in crate::reproduce) fn orbit(scale: &Scale) -> Result<Outcome> {
     // Beside the viewer's planes, those that fit the scene.
     let fitted = load(TWINS, scene.size[0])?;
     let far = viewer(scene);
-    let mut runs: Vec<(&Scene, How)> = HOWS.map(|how| (&far, how)).to_vec();
-    runs.extend([HOWS[1], How { thickness: Thickness::Precision(1e5), ..HOWS[1] }].map(|how| (&fitted, how)));
-    let names = ["", "", "", "", ", near planes", ", near planes, 100000x"];
-    let mut curves: Vec<Curve> = runs
-        .iter()
-        .zip(names)
-        .map(|((_, how), name)| Curve::new(&format!("{}{name}", how.method)))
-        .collect();
+    let mut runs = HOWS.map(|how| ("viewer", &far, how)).to_vec();
+    runs.extend([TWICE, THOUSANDFOLD].map(|t| ("fitted", &fitted, How::merging("dfb+sfm", t))));
+    let name = |(planes, _, how): &(&str, &Scene, How)| match *planes {
+        "viewer" => how.method.to_owned(),
+        planes => format!("{}, {planes} planes", how.caption()),
+    };
+    let mut curves: Vec<Curve> = runs.iter().map(|run| Curve::new(&name(run))).collect();
     let mut last: Option<(Blended, Vec<Errors>)> = None;
     for frame in 0..FRAMES {
         let now = blended(&turned(&far, frame))?;
         let mut all = Vec::new();
-        for (scene, how) in &runs {
+        for (_, scene, how) in &runs {
             all.push(errors(&how.draw(&turned(scene, frame))?.image, &now.image));
         }
         if let Some((before, old)) = &last {
@@ -106,12 +108,12 @@ pub(in crate::reproduce) fn orbit(scale: &Scale) -> Result<Outcome> {
     }
     let right = blended(&far)?;
     let (mut rows, mut drawn, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
-    for ((scene, how), curve) in runs.iter().zip(&curves) {
+    for ((planes, scene, how), curve) in runs.iter().zip(&curves) {
         let measured = how.measure(scene, scale)?;
         let shares = curve.points.iter().map(|point| point[1]);
         let mean = shares.clone().sum::<f64>() / curve.points.len().max(1) as f64;
         let worst = shares.fold(0.0, f64::max);
-        let mut cells = vec![if std::ptr::eq(*scene, &raw const far) { "viewer" } else { "fitted" }.to_owned()];
+        let mut cells = vec![(*planes).to_owned()];
         cells.extend(measured.cells(&right.image)?);
         cells.extend([unlike(&right, measured.image()), mean, worst].map(|x| format!("{x:.2}")));
         rows.push(cells);
