@@ -25,6 +25,9 @@ const BOUND: u8 = 8;
 /// Bins of the distance.
 const BINS: usize = 20;
 
+/// The most that the share of red may change where the surfaces cross, between bins: three times an even transition's.
+const JUMP: f64 = 3.0 / BINS as f64;
+
 /// Surfels: discs in one plane, of different brightness.
 const SURFELS: &str = "discs:shape=sheets,sheets=1,count=2500,radius=0.09,jitter=0,alpha=1";
 
@@ -115,6 +118,17 @@ pub(in crate::reproduce) fn comparative(scale: &Scale) -> Result<Outcome> {
     let curve = shares(&gaps, &smooth);
     if !curve.points.windows(2).all(|pair| pair[0][1] <= pair[1][1]) {
         wrong.push("the share of red does not rise with its lead".to_owned());
+    }
+    let (left, right) = curve.points.split_at(curve.points.partition_point(|point| point[0] < 0.0));
+    if let (Some(before), Some(after)) = (left.last(), right.first())
+        && after[1] - before[1] > JUMP
+    {
+        wrong.push(format!(
+            "the share of red jumps from {:.2} to {:.2} where the surfaces cross: the paper does not say how a part that is \
+             cut off shares in the sum of opacities (7); here it is by opacity, and the thinnest part behind an opaque \
+             slab takes half of it",
+            before[1], after[1]
+        ));
     }
     let unlike = |(some, all): (usize, usize)| format!("{some} of {all}");
     for measured in [&plain, &smooth] {

@@ -2,9 +2,11 @@
 //!
 //! The *contrast* of what is inside is how far its pixels are from the same pixels with the shell alone, drawn in the
 //! same way: the mean over red, green and blue and over these pixels, of 255.
+//!
+//! Slabs end at the near plane, so it must not fit the scene: it would cut the shell's to nothing.
 
 use super::intersections::pictures;
-use super::{DFB, GHOSTED, How, Measured, SHELL, columns, load};
+use super::{DFB, GHOSTED, How, Measured, SHELL, columns, load, viewer};
 use crate::error::Result;
 use crate::fragment::data_of;
 use crate::render::{Data, Options, render};
@@ -70,7 +72,7 @@ fn rows(all: &[Measured], contrasts: &[f64]) -> Result<Vec<Vec<String>>> {
 
 /// Figure 9: three balls in a nearly opaque one, by β.
 pub(in crate::reproduce) fn betas(scale: &Scale) -> Result<Outcome> {
-    let scene = load(SHELL, scale.edge)?;
+    let scene = viewer(load(SHELL, scale.edge)?);
     let smooth = |beta| How { beta, ..How::merging("dfb+sfm", Thickness::World(1.0)) };
     let betas = [0.0, 0.3, 0.6, 1.0];
     let hows: Vec<How> = std::iter::once(DFB).chain(betas.map(smooth)).collect();
@@ -105,7 +107,7 @@ pub(in crate::reproduce) fn betas(scale: &Scale) -> Result<Outcome> {
 
 /// Figure 15: a ghosted illustration.
 pub(in crate::reproduce) fn illustration(scale: &Scale) -> Result<Outcome> {
-    let scene = load(GHOSTED, scale.edge)?;
+    let scene = viewer(load(GHOSTED, scale.edge)?);
     let smooth = |thickness| How::merging("dfb+sfm", Thickness::World(thickness));
     let (all, found) = contrasts(&scene, &[DFB, smooth(0.3), smooth(1.1)], scale)?;
     let mut wrong = Vec::new();

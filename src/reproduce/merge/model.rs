@@ -1,6 +1,6 @@
 //! Figures 2, 4 and 5: the slabs of a pixel, before and after they are merged. Figure 8: how opacity grows inside one.
 
-use super::{COPLANAR, How, load};
+use super::{COPLANAR, How, load, viewer};
 use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
 use crate::num::depth::Format;
@@ -60,7 +60,7 @@ fn records(drawn: &Rendering, merging: &Merging) -> Vec<Interval> {
 
 /// Figure 5, with the model of Figure 2 and the cases of Figure 4: slabs of a real pixel.
 pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
-    let scene = load(COPLANAR, scale.edge)?;
+    let scene = viewer(load(COPLANAR, scale.edge)?);
     let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
     let exact = render(&scene, &Options::default().exact(None))?;
     let lists = exact.lists()?;

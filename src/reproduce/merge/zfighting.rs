@@ -23,13 +23,16 @@ const BOUND: u8 = 8;
 const FRAMES: u32 = 60;
 
 /// Merged pictures may flicker at this many per cent of the pixels, at edges, where other faces come within reach too.
-const STILL: f64 = 0.5;
+const STILL: f64 = 1.0;
 
 /// The paper's thickness.
 const TWICE: Thickness = Thickness::Precision(2.0);
 
-/// What covers the rounding of vertices where planes fit the scene.
-const THOUSANDFOLD: Thickness = Thickness::Precision(1_000.0);
+/// What is thick beside the rounding of vertices.
+const FIFTYFOLD: Thickness = Thickness::Precision(50.0);
+
+/// The same where planes fit the scene.
+const MYRIADFOLD: Thickness = Thickness::Precision(10_000.0);
 
 /// The methods of both figures.
 const HOWS: [How; 4] = [
@@ -85,9 +88,10 @@ pub(in crate::reproduce) fn orbit(scale: &Scale) -> Result<Outcome> {
     let fitted = load(TWINS, scene.size[0])?;
     let far = viewer(scene);
     let mut runs = HOWS.map(|how| ("viewer", &far, how)).to_vec();
-    runs.extend([TWICE, THOUSANDFOLD].map(|t| ("fitted", &fitted, How::merging("dfb+sfm", t))));
+    runs.push(("viewer", &far, How::merging("dfb+sfm", FIFTYFOLD)));
+    runs.extend([TWICE, MYRIADFOLD].map(|t| ("fitted", &fitted, How::merging("dfb+sfm", t))));
     let name = |(planes, _, how): &(&str, &Scene, How)| match *planes {
-        "viewer" => how.method.to_owned(),
+        "viewer" => how.caption(),
         planes => format!("{}, {planes} planes", how.caption()),
     };
     let mut curves: Vec<Curve> = runs.iter().map(|run| Curve::new(&name(run))).collect();
@@ -120,10 +124,18 @@ pub(in crate::reproduce) fn orbit(scale: &Scale) -> Result<Outcome> {
         if !how.merges() && mean < 10.0 * STILL {
             wrong.push(format!("{} flickers at {mean:.2} % of the pixels only", curve.name));
         }
-        if how.merges() && worst > STILL {
+        // Other planes than a viewer's are for comparison.
+        if how.merges() && *planes == "viewer" && worst > STILL {
             wrong.push(format!("{} flickers at up to {worst:.2} % of the pixels", curve.name));
         }
         drawn.push(measured);
+    }
+    if !wrong.is_empty() {
+        wrong.push(
+            "vertices are snapped to 1/256 of a pixel, which moves a slope's depths by a part of the thickness; smooth \
+             merging shows that part, merging by overlap does not"
+                .to_owned(),
+        );
     }
     let pictures = vec![("frame-0".to_owned(), side_by_side("two cubes", &right.image, &drawn[..4]))];
     let summary = format!(
