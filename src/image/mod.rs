@@ -7,6 +7,7 @@ pub mod heat;
 pub mod plot;
 pub mod png;
 pub mod ramp;
+pub mod row;
 pub mod sheet;
 pub mod similarity;
 

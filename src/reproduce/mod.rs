@@ -8,6 +8,7 @@
 mod ha_figures;
 mod ha_memory;
 mod importance;
+mod merge;
 mod occupancy;
 
 use serde::Serialize;
@@ -156,6 +157,84 @@ pub const EXPERIMENTS: &[Experiment] = &[
         paper: "occupancy culling 2014, Figure 1",
         about: "the k+-buffer with and without culling, by k",
         run: occupancy::culling,
+    },
+    Experiment {
+        name: "merge-fig1",
+        paper: "z-thickness 2021, Figure 1",
+        about: "a ball and cubes with faces in common planes",
+        run: merge::zfighting::teaser,
+    },
+    Experiment {
+        name: "merge-fig3",
+        paper: "z-thickness 2021, Figure 3",
+        about: "flicker of two cubes with common planes, on an orbit",
+        run: merge::zfighting::orbit,
+    },
+    Experiment {
+        name: "merge-fig5",
+        paper: "z-thickness 2021, Figures 2, 4 and 5",
+        about: "the slabs of a pixel, before and after they are merged",
+        run: merge::model::slabs,
+    },
+    Experiment {
+        name: "merge-fig6",
+        paper: "z-thickness 2021, Figure 6",
+        about: "smooth merging and merging by overlap, across an intersection",
+        run: merge::intersections::profiles,
+    },
+    Experiment {
+        name: "merge-fig7",
+        paper: "z-thickness 2021, Figure 7",
+        about: "intersections by beta",
+        run: merge::intersections::betas,
+    },
+    Experiment {
+        name: "merge-fig8",
+        paper: "z-thickness 2021, Figure 8",
+        about: "opacity inside of a slab, by beta",
+        run: merge::model::opacities,
+    },
+    Experiment {
+        name: "merge-fig9",
+        paper: "z-thickness 2021, Figure 9",
+        about: "what is inside of a nearly opaque ball, by beta",
+        run: merge::ghosts::betas,
+    },
+    Experiment {
+        name: "merge-fig10",
+        paper: "z-thickness 2021, Figure 10",
+        about: "errors of k+-buffer and merging on three scenes",
+        run: merge::quality::errors,
+    },
+    Experiment {
+        name: "merge-fig11",
+        paper: "z-thickness 2021, Figure 11",
+        about: "plates with marks in a ball of discs",
+        run: merge::quality::marks,
+    },
+    Experiment {
+        name: "merge-fig12",
+        paper: "z-thickness 2021, Figure 12",
+        about: "what merging costs beside sorting",
+        run: merge::cost::passes_of_methods,
+    },
+    Experiment {
+        name: "merge-fig13",
+        paper: "z-thickness 2021, Figure 13",
+        about: "absorbance along a ray through ten groups of layers",
+        run: merge::absorbance::staircases,
+    },
+    Experiment {
+        name: "merge-fig14",
+        paper: "z-thickness 2021, Figure 14",
+        about: "two meshes compared by colour, and surfels without speckle",
+        run: merge::comparison::comparative,
+    },
+    Experiment {
+        name: "merge-fig15",
+        paper: "z-thickness 2021, Figure 15",
+        about: "a ghosted illustration",
+        run: merge::ghosts::illustration,
     },
 ];
 

@@ -3,12 +3,15 @@
 mod raster;
 mod svg;
 
+/// Where a line ends and another of the same curve begins.
+pub const GAP: [f64; 2] = [f64::NAN; 2];
+
 /// A line through points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// What it is.
     pub name: String,
-    /// (x, y), in the order in which they are joined.
+    /// (x, y), in the order in which they are joined. What follows a [`GAP`] is a line of its own.
     pub points: Vec<[f64; 2]>,
     /// How it is drawn.
     pub stroke: Stroke,
@@ -19,6 +22,11 @@ impl Curve {
     #[must_use]
     pub fn new(name: &str) -> Self {
         Self { name: name.to_owned(), ..Self::default() }
+    }
+
+    /// Its lines.
+    fn lines(&self) -> impl Iterator<Item = &[[f64; 2]]> {
+        self.points.split(|point| point[0].is_nan())
     }
 }
 
@@ -103,7 +111,7 @@ impl Plot {
     }
 
     fn axes(&self) -> Axes {
-        let all = || self.curves.iter().flat_map(|curve| &curve.points);
+        let all = || self.curves.iter().flat_map(Curve::lines).flatten();
         let of = |axis: usize| all().map(move |point| point[axis]);
         let (low, high) = (of(0).fold(f64::MAX, f64::min), of(0).fold(f64::MIN, f64::max));
         let x = if low <= high { Axis::new(low, high) } else { Axis::new(0.0, 1.0) };
@@ -130,7 +138,8 @@ impl Plot {
                 };
                 !apart(0, left) && !apart(1, top)
             };
-            !self.curves.iter().any(|curve| curve.points.windows(2).any(passes))
+            let mut lines = self.curves.iter().flat_map(Curve::lines);
+            !lines.any(|points| points.windows(2).any(passes))
         };
         let [left, top] =
             if is_free(top_left) || !is_free(bottom_right) { top_left } else { bottom_right };
@@ -227,6 +236,19 @@ mod tests {
             assert!(svg.contains(part), "{part}");
         }
         assert!(Plot::default().svg().contains("</svg>"), "also without points");
+    }
+
+    #[test]
+    fn a_gap_ends_a_line() {
+        let mut curve = Curve::new("two lines");
+        curve.points = vec![[0.0, 1.0], [1.0, 1.0], GAP, [2.0, 3.0], [3.0, 3.0]];
+        let title = "title".to_owned();
+        let plot = Plot { title, x: "across", y: "up", curves: vec![curve.clone()] };
+        let svg = plot.svg();
+        assert_eq!(svg.matches("<polyline").count(), 2);
+        assert!(!svg.contains("NaN"), "{svg}");
+        curve.points.remove(2);
+        assert_ne!(plot.draw(), Plot { curves: vec![curve], ..plot.clone() }.draw());
     }
 
     #[test]

@@ -36,8 +36,10 @@ impl Plot {
         rules(&mut canvas, &axes);
         let [left, top] = self.legend(&axes);
         for (i, (curve, style)) in self.styled().enumerate() {
-            let points = curve.points.iter().map(|&point| pixel(axes.place(point)));
-            line(&mut canvas, &points.collect::<Vec<_>>(), style);
+            for points in curve.lines() {
+                let points = points.iter().map(|&point| pixel(axes.place(point)));
+                line(&mut canvas, &points.collect::<Vec<_>>(), style);
+            }
             let down = top + LINE * i as f64;
             let ends = [left, left + SAMPLE - 6.0].map(|across| pixel([across, down - 4.0]));
             line(&mut canvas, &ends, Style { width: style.width + 1, ..style });

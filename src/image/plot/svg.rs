@@ -35,16 +35,18 @@ impl Plot {
         }
         let [left, top] = self.legend(&axes);
         for (i, (curve, style)) in self.styled().enumerate() {
-            let points = curve.points.iter().map(|&point| {
-                let [across, down] = axes.place(point);
-                format!("{across:.1},{down:.1}")
-            });
-            let points = points.collect::<Vec<_>>().join(" ");
             let (color, dashes) = stroke(style);
-            line(format!(
-                "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{dashes}/>",
-                style.width
-            ));
+            for points in curve.lines() {
+                let points = points.iter().map(|&point| {
+                    let [across, down] = axes.place(point);
+                    format!("{across:.1},{down:.1}")
+                });
+                let points = points.collect::<Vec<_>>().join(" ");
+                line(format!(
+                    "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{dashes}/>",
+                    style.width
+                ));
+            }
             let down = top + LINE * i as f64;
             line(format!(
                 "<line x1=\"{0:.1}\" y1=\"{1:.1}\" x2=\"{2:.1}\" y2=\"{1:.1}\" stroke=\"{color}\" \

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub use self::keys::{Key, Keys, Range};
 use self::natural::{beard, greenhouse, hairball, needle_tree, smoke};
 use self::screen::{layers, stack, synthetic};
-use self::solid::{bottles, cubes, cuboid, gears, sphere};
+use self::solid::{bottles, cubes, cuboid, gears, sphere, surfels};
 use super::Model;
 use crate::error::{Error, Result};
 
@@ -33,7 +33,7 @@ pub struct Builtin {
     generate: fn(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model>,
 }
 
-const BUILTINS: [Builtin; 13] = [
+const BUILTINS: [Builtin; 14] = [
     synthetic::BUILTIN,
     layers::BUILTIN,
     hairball::BUILTIN,
@@ -43,6 +43,7 @@ const BUILTINS: [Builtin; 13] = [
     stack::BUILTIN,
     sphere::BUILTIN,
     cuboid::BUILTIN,
+    surfels::BUILTIN,
     beard::BUILTIN,
     smoke::BUILTIN,
     greenhouse::BUILTIN,

@@ -5,3 +5,4 @@ pub(super) mod cubes;
 pub(super) mod cuboid;
 pub(super) mod gears;
 pub(super) mod sphere;
+pub(super) mod surfels;

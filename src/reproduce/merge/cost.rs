@@ -1,0 +1,213 @@
+//! Figure 12: what merging costs beside sorting.
+//!
+//! Operations are comparisons and moves of fragments: of the sort as published (insertion up to 16 fragments, shell
+//! above), in the order of arrival; and of smooth merging, one comparison for each fragment that is looked at, and one
+//! move for each that is merged or put out. The sizes are a quarter and a half of the experiment's edge. Seconds are of our own code on one thread: the standard library's sort, and
+//! Algorithm 1 in f64, with its slabs made from depth words.
+
+use super::quality::{HUNDREDFOLD, SETTINGS};
+use super::{DFB, How, Measured, SKB, columns, median, percent};
+use crate::error::Result;
+use crate::exec::clock::Stopwatch;
+use crate::num::depth::Format;
+use crate::raster::slab::Slabs;
+use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
+use crate::render::{Data, Exec, Options, render};
+use crate::reproduce::{Outcome, Scale, Verdict};
+use crate::scene::Scene;
+use crate::scheme::merging::components::Stored;
+use crate::scheme::merging::slab::merge_sorted;
+use crate::scheme::merging::{Blending, Merging};
+
+/// The most that merging may take of what sorting takes, in per cent.
+const NEGLIGIBLE: f64 = 15.0;
+
+/// Up to this length the k+-buffer paper uses insertion sort.
+const INSERTION: usize = 16;
+
+/// The gaps of shell sort, as `resolve::sort` has them.
+const GAPS: [usize; 9] = [1, 4, 10, 23, 57, 132, 301, 701, 1_577];
+
+/// The slabs of every pixel, as they arrive.
+fn arrivals(scene: &Scene) -> Vec<Vec<Stored>> {
+    let grid = Grid { width: scene.size[0], height: scene.size[1], tile: 64 };
+    let front = FrontEnd::new(scene, grid, 8, CullFace::None).thick(Slabs::new(scene, HUNDREDFOLD));
+    let mut pixels = vec![Vec::new(); grid.storage_pixels()];
+    let (mut batch, record) = (Batch::default(), Record { depth: Format::D32, data: Data::Color });
+    front.packets_in_order(|packet| {
+        front.fragments(packet, record, grid.first_pixel(packet), &mut batch);
+        for f in batch.fragments() {
+            let slab = Stored { depth: f.depth, data: f.data, near: f.extra };
+            pixels[f.pixel as usize].push(slab);
+        }
+    });
+    pixels
+}
+
+/// Sorts as published, and counts comparisons and moves.
+fn count_sort<T: Ord + Copy>(list: &mut [T]) -> usize {
+    let gaps: &[usize] = if list.len() <= INSERTION { &GAPS[..1] } else { &GAPS };
+    let mut count = 0;
+    for &gap in gaps.iter().rev() {
+        for i in gap..list.len() {
+            let (own, mut place) = (list[i], i);
+            while place >= gap {
+                count += 1;
+                if list[place - gap] <= own {
+                    break;
+                }
+                list[place] = list[place - gap];
+                count += 1;
+                place -= gap;
+            }
+            list[place] = own;
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Sorting and merging of a whole frame.
+#[derive(Debug, Default)]
+struct Work {
+    sorting: usize,
+    merging: usize,
+    seconds: [f64; 2],
+}
+
+fn work(scene: &Scene, repeats: u32) -> Work {
+    let pixels = arrivals(scene);
+    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let blending = Blending { beta: 1.0, ..Blending::default() };
+    let mut work = Work::default();
+    for mut list in pixels.iter().cloned() {
+        work.merging += if list.is_empty() { 0 } else { 2 * list.len() - 1 };
+        work.sorting += count_sort(&mut list);
+    }
+    let (mut sorts, mut merges) = (Vec::new(), Vec::new());
+    for _ in 0..repeats.max(1) {
+        let mut lists = pixels.clone();
+        let mut watch = Stopwatch::start();
+        lists.iter_mut().for_each(|list| list.sort_unstable());
+        watch.lap("sort");
+        let mut out = Vec::new();
+        for list in &lists {
+            out.clear();
+            let slabs = list.iter().map(|s| merging.slab(s.depth, s.near, s.data));
+            merge_sorted(slabs, 8, &blending, &mut out);
+        }
+        watch.lap("merge");
+        let seconds = watch.seconds();
+        sorts.push(seconds.get("sort").copied().unwrap_or(0.0));
+        merges.push(seconds.get("merge").copied().unwrap_or(0.0));
+    }
+    work.seconds = [median(sorts), median(merges)];
+    work
+}
+
+/// Seconds of the count pass, the store pass and resolve, on contending threads.
+fn passes(how: &How, scene: &Scene, repeats: u32) -> Result<[f64; 3]> {
+    let options = Options { exec: Exec::Threads, counters: false, ..how.options()? };
+    let mut all = [Vec::new(), Vec::new(), Vec::new()];
+    for _ in 0..repeats.max(1) {
+        let seconds = render(scene, &options)?.report.seconds;
+        let mut own = [0.0; 3];
+        for (phase, time) in seconds {
+            match phase.as_str() {
+                "draw.store" => own[1] += time,
+                "draw.resolve" => own[2] += time,
+                "draw.clear" => {}
+                other => own[0] += if other.starts_with("draw.") { time } else { 0.0 },
+            }
+        }
+        all.iter_mut().zip(own).for_each(|(all, own)| all.push(own));
+    }
+    Ok(all.map(median))
+}
+
+/// Figure 12.
+pub(in crate::reproduce) fn passes_of_methods(scale: &Scale) -> Result<Outcome> {
+    let smooth = How::merging("dfb+sfm", HUNDREDFOLD);
+    let hows = [DFB, smooth, SKB, How::merging("skb+ofm", HUNDREDFOLD)];
+    let (mut rows, mut many, mut slow) = (Vec::new(), Vec::new(), Vec::new());
+    for setting in &SETTINGS {
+        for edge in [4, 2].map(|part| (scale.edge / part).max(16)) {
+            let scene = setting.scene(edge)?;
+            let mut exact: Option<Measured> = None;
+            for how in hows {
+                let measured = how.measure(&scene, scale)?;
+                let mut cells = vec![setting.name.to_owned(), edge.to_string()];
+                cells.extend(measured.cells(exact.as_ref().unwrap_or(&measured).image())?);
+                let seconds = passes(&how, &scene, scale.repeats)?;
+                cells.extend(seconds.map(|s| format!("{s:.4}")));
+                if how.method == smooth.method {
+                    let Work { sorting, merging, seconds } = work(&scene, scale.repeats);
+                    let share = percent(merging, sorting);
+                    let time = 100.0 * seconds[1] / seconds[0].max(1e-9);
+                    if share >= NEGLIGIBLE {
+                        many.push(format!("{} at {edge}: {share:.1} %", setting.name));
+                    }
+                    if time >= NEGLIGIBLE {
+                        slow.push(format!("{} at {edge}: {time:.0} %", setting.name));
+                    }
+                    cells.extend([sorting.to_string(), merging.to_string(), format!("{share:.1}")]);
+                    cells.extend(seconds.map(|s| format!("{s:.4}")));
+                } else {
+                    cells.extend(["-"; 5].map(str::to_owned));
+                }
+                rows.push(cells);
+                exact.get_or_insert(measured);
+            }
+        }
+    }
+    let mut wrong = Vec::new();
+    if !many.is_empty() {
+        wrong.push(format!(
+            "smooth merging takes {NEGLIGIBLE} % of the sort's comparisons and moves or more: {}",
+            many.join(", ")
+        ));
+    }
+    if !slow.is_empty() {
+        wrong.push(format!(
+            "and of its seconds: {}; here merging is arithmetic in f64, and sorting compares integers in a cache; the \
+             paper's sort runs in a GPU's memory",
+            slow.join(", ")
+        ));
+    }
+    let summary = "operations of the sort as published and of Algorithm 1, and seconds by pass, as medians; the count \
+                   pass makes the offsets too"
+        .to_owned();
+    let after = [
+        "count (s)",
+        "store (s)",
+        "resolve (s)",
+        "sort operations",
+        "merge operations",
+        "merge of sort (%)",
+        "sort (s)",
+        "merge (s)",
+    ];
+    let columns = columns(&["scene", "edge"], &after);
+    let verdict = Some(Verdict::of(&wrong));
+    Ok(Outcome { columns, rows, verdict, ..Outcome::new("merge-fig12", summary) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::random::Random;
+
+    #[test]
+    fn counted_sorts_sort() {
+        assert_eq!(count_sort(&mut [1, 2, 3]), 4, "two comparisons, two moves back");
+        assert_eq!(count_sort(&mut [2, 1]), 3, "one comparison, two moves");
+        let mut random = Random::new(3, 0);
+        for len in [0, 1, 15, 16, 17, 400, 3_000] {
+            let mut list: Vec<u64> = (0..len).map(|_| random.below(90)).collect();
+            let mut expected = list.clone();
+            expected.sort_unstable();
+            count_sort(&mut list);
+            assert_eq!(list, expected);
+        }
+    }
+}
