@@ -67,9 +67,10 @@ fn there_are_no_others() {
     {
         assert!(names.contains(&format!("merge-{name}").as_str()), "{name}");
     }
-    for name in ["fig13", "fig14", "fig15"] {
+    for name in ["fig13", "fig14", "fig15", "fig16", "fig17"] {
         assert!(names.contains(&format!("merge-{name}").as_str()), "{name}");
     }
+    assert_eq!(names.len(), 15, "every other name is run below");
 }
 
 #[test]
@@ -121,4 +122,14 @@ fn distances_become_colours() {
 #[test]
 fn what_is_inside_is_seen() {
     confirms("merge-fig15", 1, 0);
+}
+
+#[test]
+fn merged_samples_have_no_bands() {
+    confirms("merge-fig16", 2, 0);
+}
+
+#[test]
+fn no_radius_and_no_aperture_change_nothing() {
+    confirms("merge-fig17", 1, 0);
 }

@@ -236,14 +236,31 @@ pub const EXPERIMENTS: &[Experiment] = &[
         about: "a ghosted illustration",
         run: merge::ghosts::illustration,
     },
+    Experiment {
+        name: "merge-fig16",
+        paper: "z-thickness 2021, Figure 16",
+        about: "volumes that surfaces intersect",
+        run: merge::hybrid::bands,
+    },
+    Experiment {
+        name: "merge-fig17",
+        paper: "z-thickness 2021, Figure 17",
+        about: "ambient occlusion and depth of field over merged layers",
+        run: merge::screen::effects,
+    },
 ];
 
-/// The experiment of that name.
+/// Figures that another's experiment shows as well.
+const SHOWN_WITH: [(&str, &str); 2] = [("merge-fig2", "merge-fig5"), ("merge-fig4", "merge-fig5")];
+
+/// The experiment of that name, or of the figure of that name.
 ///
 /// # Errors
 /// No experiment has that name; the message lists those that exist.
 pub fn experiment(name: &str) -> Result<&'static Experiment> {
-    EXPERIMENTS.iter().find(|experiment| experiment.name == name).ok_or_else(|| {
+    let shown = SHOWN_WITH.iter().find(|(figure, _)| *figure == name);
+    let own = shown.map_or(name, |(_, experiment)| experiment);
+    EXPERIMENTS.iter().find(|experiment| experiment.name == own).ok_or_else(|| {
         let names: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
         let problem = format!("no experiment is called {name:?}; there are {}", names.join(", "));
         Error::new("EXPERIMENT", problem)
@@ -307,6 +324,10 @@ mod tests {
     #[test]
     fn names_lead_to_experiments() {
         assert_eq!(experiment("ha-fig5").unwrap().name, "ha-fig5");
+        for (figure, name) in SHOWN_WITH {
+            assert_eq!(experiment(figure).unwrap().name, name);
+            assert!(EXPERIMENTS.iter().all(|experiment| experiment.name != figure));
+        }
         assert!(experiment("fig").unwrap_err().problem().contains("ha-table1, ha-fig5, ha-fig8"));
     }
 

@@ -18,7 +18,7 @@ const FULL: u32 = 1_024;
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
     /// Experiments: ha-table1, ha-fig5, ha-fig8, varik-table1, varik-table2, varik-fig1 to varik-fig5, occupancy-fig1,
-    /// merge-fig1, merge-fig3, merge-fig5 to merge-fig15
+    /// merge-fig1 to merge-fig17
     /// [default: all]
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,

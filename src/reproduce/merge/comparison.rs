@@ -128,9 +128,7 @@ pub(in crate::reproduce) fn comparative(scale: &Scale) -> Result<Outcome> {
         && after[1] - before[1] > JUMP
     {
         wrong.push(format!(
-            "the share of red jumps from {:.2} to {:.2} where the surfaces cross: the paper does not say how a part that is \
-             cut off shares in the sum of opacities (7); here it is by opacity, and the thinnest part behind an opaque \
-             slab takes half of it",
+            "the share of red jumps from {:.2} to {:.2} where the surfaces cross",
             before[1], after[1]
         ));
     }

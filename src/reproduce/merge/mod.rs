@@ -1,4 +1,4 @@
-//! The z-thickness paper (2021): its figures but for volumes (16) and screen-space effects (17).
+//! The z-thickness paper (2021): its figures.
 //!
 //! The paper says a thickness as a multiple of P(z), what 24 bits of depth can tell apart at z. That grows as the near
 //! plane comes closer to the eye, and the paper does not say where it was. A camera that fits its planes to the scene has
@@ -12,16 +12,21 @@ pub(super) mod comparison;
 mod coplanar;
 pub(super) mod cost;
 pub(super) mod ghosts;
+pub(super) mod hybrid;
 pub(super) mod intersections;
 pub(super) mod model;
 pub(super) mod quality;
+pub(super) mod screen;
 pub(super) mod zfighting;
 
 use super::Scale;
 use crate::catalogue;
+use crate::effect::Effect;
+use crate::effect::screen::Screen;
+use crate::effect::volume::UNTIL;
 use crate::error::{Error, Result};
 use crate::image::{Image, similarity};
-use crate::render::{Options, Rendering, render};
+use crate::render::{Marching, Options, Rendering, render};
 use crate::scene::file::{self, Source};
 use crate::scene::{Overrides, Scene, Thickness, procedural};
 
@@ -30,19 +35,22 @@ type Bundled = (&'static str, &'static str);
 
 macro_rules! bundled {
     ($name:literal) => {
-        ($name, include_str!(concat!("../../../scenes/merging/", $name)))
+        ($name, include_str!(concat!("../../../scenes/", $name)))
     };
 }
 
-const BALLS: Bundled = bundled!("balls.toml");
-const COMPARED: Bundled = bundled!("compared.toml");
-const COPLANAR: Bundled = bundled!("coplanar.toml");
-const CROSSING: Bundled = bundled!("crossing.toml");
-const GHOSTED: Bundled = bundled!("ghosted.toml");
-const MARKS: Bundled = bundled!("marks.toml");
-const SHEETS: Bundled = bundled!("sheets.toml");
-const SHELL: Bundled = bundled!("shell.toml");
-const TWINS: Bundled = bundled!("twins.toml");
+const BALLS: Bundled = bundled!("merging/balls.toml");
+const COMPARED: Bundled = bundled!("merging/compared.toml");
+const COPLANAR: Bundled = bundled!("merging/coplanar.toml");
+const CROSSING: Bundled = bundled!("merging/crossing.toml");
+const FOCUS: Bundled = bundled!("focus.toml");
+const GHOSTED: Bundled = bundled!("merging/ghosted.toml");
+const HYBRID: Bundled = bundled!("merging/hybrid.toml");
+const MARKS: Bundled = bundled!("merging/marks.toml");
+const SHEETS: Bundled = bundled!("merging/sheets.toml");
+const SHELL: Bundled = bundled!("merging/shell.toml");
+const SLICED: Bundled = bundled!("merging/sliced.toml");
+const TWINS: Bundled = bundled!("merging/twins.toml");
 
 /// The scene of a file, at a size.
 fn load((name, text): Bundled, edge: u32) -> Result<Scene> {
@@ -74,17 +82,26 @@ struct How {
     k: Option<u32>,
     thickness: Thickness,
     beta: f64,
+    volumes: Marching,
+    screen: Option<Screen>,
 }
 
 /// All fragments.
-const DFB: How = How { method: "dfb", k: None, thickness: Thickness::World(0.0), beta: 1.0 };
+const DFB: How = How {
+    method: "dfb",
+    k: None,
+    thickness: Thickness::World(0.0),
+    beta: 1.0,
+    volumes: Marching { merge: true, until: UNTIL, step: None },
+    screen: None,
+};
 /// The static k+-buffer, with the paper's k.
 const SKB: How = How { method: "kplus-array", k: Some(8), ..DFB };
 
 impl How {
     /// A method that merges, with the paper's M.
     const fn merging(method: &'static str, thickness: Thickness) -> Self {
-        Self { method, k: Some(8), thickness, beta: 1.0 }
+        Self { method, k: Some(8), thickness, ..DFB }
     }
 
     fn merges(&self) -> bool {
@@ -93,23 +110,31 @@ impl How {
 
     fn options(&self) -> Result<Options> {
         let method = catalogue::method(self.method)?;
-        let Self { k, thickness, beta, .. } = *self;
-        Ok(Options { method, k, thickness, beta, ..Options::default() })
+        let Self { k, thickness, beta, volumes, .. } = *self;
+        let effect = self.screen.map_or(Effect::Transparency, Effect::Screen);
+        Ok(Options { method, k, thickness, beta, volumes, effect, ..Options::default() })
     }
 
     fn draw(&self, scene: &Scene) -> Result<Rendering> {
         render(scene, &Options { counters: false, ..self.options()? })
     }
 
-    /// Draw, count, and time the drawing.
-    fn measure(self, scene: &Scene, scale: &Scale) -> Result<Measured> {
+    /// Draw, and count and time that.
+    fn once(self, scene: &Scene) -> Result<Measured> {
         let drawn = render(scene, &self.options()?)?;
+        let seconds = drawn.report.seconds.get("draw").copied().unwrap_or(0.0);
+        Ok(Measured { how: self, drawn, seconds })
+    }
+
+    /// Draw, count, and time the drawing as often as the scale says, without counting.
+    fn measure(self, scene: &Scene, scale: &Scale) -> Result<Measured> {
+        let once = self.once(scene)?;
         let mut seconds = Vec::new();
         for _ in 0..scale.repeats.max(1) {
             let timed = self.draw(scene)?.report.seconds;
             seconds.push(timed.get("draw").copied().unwrap_or(0.0));
         }
-        Ok(Measured { how: self, drawn, seconds: median(seconds) })
+        Ok(Measured { seconds: median(seconds), ..once })
     }
 
     /// Under a picture.
