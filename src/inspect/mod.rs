@@ -8,6 +8,7 @@ mod gone;
 mod plot;
 mod records;
 mod sight;
+pub mod slabs;
 
 use crate::effect::Effect;
 use crate::error::{Error, Result};

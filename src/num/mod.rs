@@ -4,6 +4,7 @@
 pub mod color;
 pub mod depth;
 mod hex;
+pub mod orders;
 pub mod planes;
 pub mod random;
 

@@ -1,6 +1,6 @@
 //! `fragloom replay`: replay a token's interleaving.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
@@ -8,14 +8,19 @@ use crate::cli::options::flags::Output;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::explore::program::controls;
 use crate::explore::replay::token::{LitmusToken, SceneToken};
 use crate::explore::replay::{Replay, replay};
 use crate::explore::sample::minimise::{minimise_litmus, minimise_scene};
 use crate::explore::sample::{SceneReplay, replay_scene};
 use crate::explore::{Limits, Token};
-use crate::image::png;
+use crate::fragment::Fragment;
+use crate::image::plot::Plot;
+use crate::image::{Image, png};
+use crate::inspect::slabs;
 use crate::report::text::{Align, columns};
 use crate::report::{files, json, table};
+use crate::scheme::HeldKind;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -33,7 +38,8 @@ pub(in crate::cli) struct Args {
     #[arg(long)]
     minimise: bool,
 
-    /// Write the picture of a scene's token, or the trace of a pixel's token, into a folder [default: not written]
+    /// Write the picture of a scene's token, or the trace of a pixel's token, into a folder; of a method that merges, the
+    /// slabs as well, and what they become in every order of arrival [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -76,9 +82,30 @@ fn litmus(
     say::result(&text)?;
     if let Some(folder) = &args.out {
         files::write_bytes(&folder.join("trace.txt"), trace(&replayed).as_bytes())?;
+        if let Some(plot) = slabs(catalogue, &token)? {
+            files::write_bytes(&folder.join("slabs.svg"), plot.svg().as_bytes())?;
+            write_picture(folder, "slabs.png", &plot.draw())?;
+        }
     }
     let shown = replayed.run.violations().next().is_some() || replayed.cycle > 0;
     Ok(if shown { Verdict::Found } else { Verdict::Clean })
+}
+
+/// The slabs of a token's first pixel, if its method merges.
+fn slabs(catalogue: &Catalogue, token: &LitmusToken) -> Result<Option<Plot>> {
+    let subject = controls::find(catalogue, "TOKEN", &token.method)?;
+    let fragments: Vec<Fragment> =
+        token.litmus.fragments(subject.contract).filter(|f| f.pixel == 0).collect();
+    let config = token.litmus.config(subject.contract);
+    let merges = subject.method.holds() == HeldKind::Records;
+    Ok(if merges { slabs::slabs(subject.method, &config, &fragments) } else { None })
+}
+
+fn write_picture(folder: &Path, name: &str, image: &Image) -> Result<()> {
+    let place = folder.join(name);
+    let bytes = png::encode(image)
+        .map_err(|error| Error::new(place.display().to_string(), error.to_string()))?;
+    files::write_bytes(&place, &bytes)
 }
 
 fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
@@ -156,9 +183,7 @@ fn scene(
     let again = || replay_scene(catalogue, token);
     let replayed = wait::during(quiet, "replaying", again)?;
     if let Some(folder) = &args.out {
-        let bytes = png::encode(&replayed.rendering.image)
-            .map_err(|error| Error::new(folder.display().to_string(), error.to_string()))?;
-        files::write_bytes(&folder.join("replay.png"), &bytes)?;
+        write_picture(folder, "replay.png", &replayed.rendering.image)?;
     }
     if args.minimise {
         let cut = || minimise_scene(&replayed.scene, &replayed.options, limits);

@@ -24,6 +24,13 @@ impl Curve {
         Self { name: name.to_owned(), ..Self::default() }
     }
 
+    /// Add a rectangle, as a line of its own.
+    pub fn rectangle(&mut self, [left, right]: [f64; 2], [low, high]: [f64; 2]) {
+        let first = (!self.points.is_empty()).then_some(GAP);
+        let corners = [[left, low], [left, high], [right, high], [right, low], [left, low]];
+        self.points.extend(first.into_iter().chain(corners));
+    }
+
     /// Its lines.
     fn lines(&self) -> impl Iterator<Item = &[[f64; 2]]> {
         self.points.split(|point| point[0].is_nan())

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
 use crate::num::depth::Format;
 use crate::render::{Kept, Options, Rendering, render};
-use crate::reproduce::plot::{Curve, GAP, Plot};
+use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::scene::Thickness;
 use crate::scheme::Record;
@@ -88,14 +88,7 @@ pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
         for (i, interval) in intervals.iter().enumerate() {
             let Interval { near, far, opacity, weight } = *interval;
             let high = lane + 0.9 * opacity;
-            curve.points.extend([
-                [near, lane],
-                [near, high],
-                [far, high],
-                [far, lane],
-                [near, lane],
-                GAP,
-            ]);
+            curve.rectangle([near, far], [lane, high]);
             // Fragments overlap, records do not.
             lane += if name == "fragments" { 1.0 } else { 0.0 };
             rows.push(vec![
@@ -108,7 +101,6 @@ pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
                 format!("{weight}"),
             ]);
         }
-        curve.points.pop();
         curves.push(curve);
         lane += 1.0;
     }
