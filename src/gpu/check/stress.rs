@@ -5,21 +5,23 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::crosscheck::Status;
+use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
 use crate::explore::program::litmus::Litmus;
 use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::merged;
 use crate::gpu::twin::program::{Program, Shape, constants};
 use crate::gpu::twin::resolve::resolve;
 use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
 use crate::num::random::Random;
 use crate::raster::{Grid, Record};
-use crate::scheme::contract::Contract;
+use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
+use crate::scheme::merging::Merging;
 use crate::scheme::{Config, Held};
 
 /// Copies of a litmus pixel in one picture.
@@ -116,14 +118,13 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             sum.unexplored += 1;
             continue;
         }
-        let first = |pixels: &Vec<Held>| pixels[0].keys().unwrap_or_default().to_vec();
-        let mut tally: BTreeMap<Vec<u64>, u64> =
-            explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
+        let mut tally: BTreeMap<Held, u64> =
+            explored.outcomes.keys().map(|pixels| (pixels[0].clone(), 0)).collect();
         if contract.crosses() {
             // Copies share one table in which all find room, so they must all find room in the explored table too.
             let mut all = litmus.generated(0);
             contract.keep(&mut all, None);
-            if !tally.keys().eq([&all]) {
+            if !tally.keys().eq([&Held::Keys(all)]) {
                 continue;
             }
             known.insert(litmus.fragments.clone());
@@ -158,15 +159,14 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];
-        let holding = reasons.iter().filter(|(holds, _)| *holds).map(|(_, why)| *why);
-        sum.reason = holding.collect::<Vec<_>>().join("; ");
+        sum.reason = holding(&reasons);
     }
     Ok(sum)
 }
 
 impl Stressed {
     /// Sort outcomes of no interleaving into those that relaxed memory allows, and the others.
-    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Vec<u64>, u64>) {
+    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Held, u64>) {
         if others.is_empty() {
             return;
         }
@@ -174,8 +174,8 @@ impl Stressed {
             explore::Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
         let limits = Limits { states: STATES, cancelled: &|| false };
         let explored = explore::explore(subject, litmus, conditions, &limits);
-        for (keys, &count) in others {
-            if explored.outcomes.contains_key(&[Held::Keys(keys.clone())][..]) {
+        for (held, &count) in others {
+            if explored.outcomes.contains_key(std::slice::from_ref(held)) {
                 self.relaxed += count;
                 continue;
             }
@@ -183,7 +183,7 @@ impl Stressed {
             self.first_outside.get_or_insert_with(|| {
                 let more =
                     if explored.complete { "" } else { " (relaxed memory: not all explored)" };
-                format!("{}: {keys:x?}{more}", litmus.describe())
+                format!("{}: {held}{more}", litmus.describe())
             });
         }
     }
@@ -196,8 +196,8 @@ fn run(
     contract: &'static Contract,
     litmus: &Litmus,
     extent: Extent,
-    tally: &mut BTreeMap<Vec<u64>, u64>,
-) -> Result<BTreeMap<Vec<u64>, u64>> {
+    tally: &mut BTreeMap<Held, u64>,
+) -> Result<BTreeMap<Held, u64>> {
     let one = litmus.config(contract);
     let copies = u64::from(COPIES);
     let config = Config {
@@ -218,7 +218,9 @@ fn run(
     let constants = constants(&shape, record, [0; 3]);
     let program = Program::new(device, twin, shape, constants)?;
     let n = litmus.fragments.len() as u32;
-    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * n).collect();
+    let merging = (contract.keeps == Keeps::Merged).then_some(config.merging);
+    let room = if merging.is_some() { n * merged::WORDS } else { n };
+    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     let mut others = BTreeMap::new();
     let mut fill = true;
     for repeat in 0..extent.repeats {
@@ -230,15 +232,23 @@ fn run(
             program.run(|function| program.compute(function, &fragments))?;
             let got = resolve(&program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let found = got.pixel(pixel);
-                match tally.get_mut(found).filter(|_| got.counts[pixel] <= n) {
+                let found = held(got.pixel(pixel), merging.as_ref());
+                match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
                     Some(count) => *count += 1,
-                    None => *others.entry(found.to_vec()).or_default() += 1,
+                    None => *others.entry(found).or_default() += 1,
                 }
             }
         }
     }
     Ok(others)
+}
+
+/// What words of a pixel are: fragments, or records of a method that merges.
+fn held(words: &[u64], merging: Option<&Merging>) -> Held {
+    match (merging, merged::merged(words)) {
+        (Some(merging), Some(all)) => Held::Records(merged::held(&all, merging)),
+        _ => Held::Keys(words.to_vec()),
+    }
 }
 
 /// The positions of a pixel's fragments among all.
