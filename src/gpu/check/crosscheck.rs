@@ -282,7 +282,7 @@ impl BandRun<'_> {
                 format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
             return (Status::Different, false, reason);
         }
-        let unsettled = format!("where arrival decides, {} pixels, only the sum", sum.unsettled);
+        let unsettled = format!("of {} pixels only the sum: arrival decides", sum.unsettled);
         let (racy, raster) = (self.contract.is_racy(), self.path == Path::Raster);
         let reasons = [
             (

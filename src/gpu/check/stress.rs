@@ -9,7 +9,7 @@ use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
 use crate::explore::program::litmus::Litmus;
 use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
-use crate::fragment::{Data, Fragment};
+use crate::fragment::{Data, Fragment, depth_of};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::merged;
@@ -19,10 +19,10 @@ use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
 use crate::num::random::Random;
 use crate::raster::{Grid, Record};
-use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::contract::Contract;
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
 use crate::scheme::merging::Merging;
-use crate::scheme::{Config, Held};
+use crate::scheme::{Config, Depth, Held, HeldKind};
 
 /// Copies of a litmus pixel in one picture.
 const COPIES: u32 = 4_096;
@@ -108,7 +108,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     };
     let device_model = explore::Conditions { memory: MemoryModel::Sequential, warp: None };
     let limits = Limits { states: STATES, cancelled: &|| false };
-    let mut known = BTreeSet::new();
+    let (mut known, mut program) = (BTreeSet::new(), None);
     for litmus in instances(&subject, &family).into_iter().filter(whole) {
         if contract.crosses() && known.contains(&litmus.fragments) {
             continue;
@@ -130,7 +130,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             known.insert(litmus.fragments.clone());
         }
         sum.possible += tally.len() as u64;
-        match run(device, twin, contract, &litmus, extent, &mut tally) {
+        let ran = program_for(&mut program, device, twin, copied(contract, &litmus))
+            .and_then(|program| run(program, &litmus, extent, &mut tally));
+        match ran {
             Ok(others) => sum.explain(&subject, &litmus, &others),
             Err(Failure::Unsupported(why)) => {
                 sum.status = Status::Unsupported;
@@ -189,18 +191,11 @@ impl Stressed {
     }
 }
 
-/// Run an instance, and give the outcomes that are not in the tally.
-fn run(
-    device: &Device,
-    twin: Twin,
-    contract: &'static Contract,
-    litmus: &Litmus,
-    extent: Extent,
-    tally: &mut BTreeMap<Held, u64>,
-) -> Result<BTreeMap<Held, u64>> {
+/// The configuration of a picture of copies.
+fn copied(contract: &Contract, litmus: &Litmus) -> Config {
     let one = litmus.config(contract);
     let copies = u64::from(COPIES);
-    let config = Config {
+    Config {
         pixels: COPIES,
         generated: one.generated * copies,
         bounded: one.bounded * copies,
@@ -212,14 +207,40 @@ fn run(
             ..TableSettings::default()
         },
         ..one
+    }
+}
+
+/// The program of a configuration: the last one, if it is the same.
+fn program_for<'a, 'd>(
+    last: &'a mut Option<Program<'d>>,
+    device: &'d Device,
+    twin: Twin,
+    config: Config,
+) -> Result<&'a Program<'d>> {
+    let known = last.take().filter(|program| program.shape.config == config);
+    let program = match known {
+        Some(program) => program,
+        None => {
+            let shape = Shape::new(twin.method, config)?;
+            let record = Record { depth: Format::D32, data: Data::Color };
+            let constants = constants(&shape, record, [0; 3]);
+            Program::new(device, twin, shape, constants)?
+        }
     };
-    let shape = Shape::new(twin.method, config)?;
-    let record = Record { depth: Format::D32, data: Data::Color };
-    let constants = constants(&shape, record, [0; 3]);
-    let program = Program::new(device, twin, shape, constants)?;
+    Ok(last.insert(program))
+}
+
+/// Run an instance, and give the outcomes that are not in the tally.
+fn run(
+    program: &Program<'_>,
+    litmus: &Litmus,
+    extent: Extent,
+    tally: &mut BTreeMap<Held, u64>,
+) -> Result<BTreeMap<Held, u64>> {
+    let (method, contract) = (program.twin.method, program.shape.contract);
+    let merging = program.shape.config.merging;
     let n = litmus.fragments.len() as u32;
-    let merging = (contract.keeps == Keeps::Merged).then_some(config.merging);
-    let room = if merging.is_some() { n * merged::WORDS } else { n };
+    let room = if method.holds() == HeldKind::Records { n * merged::WORDS } else { n };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     let mut others = BTreeMap::new();
     let mut fill = true;
@@ -230,9 +251,9 @@ fn run(
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
             program.run(|function| program.compute(function, &fragments))?;
-            let got = resolve(&program, &[0; 256], &starts)?;
+            let got = resolve(program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let found = held(got.pixel(pixel), merging.as_ref());
+                let found = held(method.holds(), got.pixel(pixel), &merging);
                 match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
                     Some(count) => *count += 1,
                     None => *others.entry(found).or_default() += 1,
@@ -243,10 +264,14 @@ fn run(
     Ok(others)
 }
 
-/// What words of a pixel are: fragments, or records of a method that merges.
-fn held(words: &[u64], merging: Option<&Merging>) -> Held {
-    match (merging, merged::merged(words)) {
-        (Some(merging), Some(all)) => Held::Records(merged::held(&all, merging)),
+/// What a device emits for a pixel. A depth is a record without data, or none.
+fn held(kind: HeldKind, words: &[u64], merging: &Merging) -> Held {
+    match (kind, merged::merged(words)) {
+        (HeldKind::Records, Some(all)) => Held::Records(merged::held(&all, merging)),
+        (HeldKind::Depth, _) => {
+            let depth = words.first().copied().map(depth_of).map(Depth);
+            Held::Depth(depth.unwrap_or_default())
+        }
         _ => Held::Keys(words.to_vec()),
     }
 }
