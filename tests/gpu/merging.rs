@@ -30,9 +30,7 @@ fn gears() -> Scene {
 
 /// Opaque layers: the sum of their logarithms stops at its largest value.
 fn opaque() -> Scene {
-    let mut scene = scene("stack:count=20", [24, 16]);
-    scene.materials.iter_mut().for_each(|material| material.alpha = 1.0);
-    scene
+    scene("layers:count=20,alpha=1", [24, 16])
 }
 
 /// A twin with one change to the part that both have.
