@@ -17,6 +17,7 @@ use fragloom::gpu::twin::resolve::resolve;
 use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
 
+use super::merging::mutant_part;
 use super::support::{contract, method, scene, small_scenes};
 
 /// Drivers on CPUs take all cores: one test at a time.
@@ -37,7 +38,7 @@ pub(super) fn all(test: &str) -> Vec<Opened> {
     found
 }
 
-fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Agreement> {
+pub(super) fn crosscheck(opened: &Opened, scene: &Scene, options: &Options) -> Vec<Agreement> {
     let picture = Picture::new(scene, opened.bits());
     let options = opened.paths(options);
     crosscheck::run(&opened.device, scene, &picture, opened.bits(), &options)
@@ -134,11 +135,11 @@ fn pictures_are_cut_to_fit() {
 }
 
 /// The twin of a method that has one.
-fn twin(method: &str) -> Twin {
+pub(super) fn twin(method: &str) -> Twin {
     source::twin(self::method(method)).expect("a twin")
 }
 
-fn methods(names: &[&'static str]) -> Options {
+pub(super) fn methods(names: &[&'static str]) -> Options {
     let twins = names.iter().map(|name| twin(name)).collect();
     Options { twins, ..Options::default() }
 }
@@ -184,6 +185,7 @@ fn ties_may_be_confused_and_nothing_else() {
         generated: lists(&[key(1, 1), key(1, 2), key(5, 3)]),
         kept: lists(&[key(1, 1), key(1, 2)]),
         colors: vec![0],
+        merged: None,
     };
     let found = |keys: [u64; 2]| {
         let got = Downloaded {
@@ -234,7 +236,7 @@ fn an_invocation_that_gives_up_waiting_is_run_again() {
             assert_eq!(drawn, right);
             if right.is_ok() {
                 let expected = band.expected(method, record, None);
-                let starts = &expected.kept.starts;
+                let starts = expected.starts();
                 let got = resolve(&program, &picture.palette, starts).expect("resolved");
                 assert!(compare(contract, None, &expected, &got).is_equal());
             }
@@ -265,7 +267,7 @@ fn twins_do_what_schemes_do() {
 }
 
 /// A twin with one change.
-fn mutant(method: &str, from: &str, to: &str) -> Twin {
+pub(super) fn mutant(method: &str, from: &str, to: &str) -> Twin {
     let twin = twin(method);
     let text = twin.text.replace(from, to);
     assert_ne!(text, twin.text, "{method}: {from}");
@@ -282,6 +284,12 @@ fn conformance_finds_changed_twins() {
         mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
         mutant("kb", "is_less", "!is_less"),
         mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
+        mutant("skb+ofm", "count -= 1u", "count -= 0u"),
+        mutant("skb+ofm", "< min(depth, own.depth)", "<= min(depth, own.depth)"),
+        mutant("skb+ofm", "first = second", "first = first"),
+        mutant("skb+ofm", "max(first, record.depth)", "first"),
+        mutant("dfb+ofm", "= fragment.extra", "= fragment.depth"),
+        mutant_part("skb+ofm", "words.x < words.y", "words.x > words.y"),
         mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
     ];
     for opened in all("mutants") {
@@ -300,18 +308,22 @@ fn conformance_finds_changed_twins() {
 fn litmus_pixels_have_outcomes_of_interleavings() {
     let _turn = turn();
     for opened in all("litmus pixels") {
-        for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32"] {
-            let extent = stress::Extent { fragments: 3, repeats: 1 };
+        for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32", "skb+ofm", "dfb+ofm"] {
+            // Slabs have many more litmus pixels.
+            let fragments = if method.contains("+ofm") { 2 } else { 3 };
+            let extent = stress::Extent { fragments, repeats: 1 };
             let twin = twin(method);
             let found = stress(&opened.device, twin, extent).expect("a device");
             assert_eq!((found.outside, found.unexplored), (0, 0), "{found:?}");
             assert!(found.relaxed == 0 || method == "kb", "{found:?}");
             assert!(found.runs >= 6 * 3 * 4_096 && found.seen > 0, "{found:?}");
         }
-        let unlocked = mutant("kplus-array", "TAKEN) == FREE", "TAKEN) < 2u");
-        let extent = stress::Extent { fragments: 3, repeats: 1 };
-        let found = stress(&opened.device, unlocked, extent).expect("a device");
-        assert!(found.outside + found.relaxed > 0, "{found:?}");
+        for (method, fragments) in [("kplus-array", 3), ("skb+ofm", 2)] {
+            let unlocked = mutant(method, "TAKEN) == FREE", "TAKEN) < 2u");
+            let extent = stress::Extent { fragments, repeats: 1 };
+            let found = stress(&opened.device, unlocked, extent).expect("a device");
+            assert!(found.outside + found.relaxed > 0, "{found:?}");
+        }
     }
 }
 
@@ -333,7 +345,7 @@ fn a_flipped_bit_is_seen() {
         let fragments = band.stream(record, Some(1));
         program.run(|function| program.compute(function, &fragments)).expect("stored");
         let expected = band.expected(method, record, None);
-        let got = resolve(&program, &picture.palette, &expected.kept.starts).expect("resolved");
+        let got = resolve(&program, &picture.palette, expected.starts()).expect("resolved");
         assert!(compare(contract, None, &expected, &got).is_equal());
         let middle = got.keys.len() / 2;
         for bit in 0..64 {

@@ -8,6 +8,7 @@
 
 mod drivers;
 mod inputs;
+mod merging;
 mod text;
 
 #[path = "../support/mod.rs"]

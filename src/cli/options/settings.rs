@@ -64,7 +64,7 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
 }
 
-fn thickness(text: &str) -> Result<Thickness> {
+pub(in crate::cli) fn thickness(text: &str) -> Result<Thickness> {
     Thickness::parse(text).map_err(|problem| Error::new("--thickness", problem))
 }
 

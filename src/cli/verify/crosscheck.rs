@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
+use crate::cli::options::settings;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::gpu::check::compare::Differences;
@@ -17,7 +18,7 @@ use crate::gpu::twin::band::Picture;
 use crate::gpu::twin::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};
-use crate::scene::{self, Overrides, Scene};
+use crate::scene::{self, Overrides, Scene, Thickness};
 
 /// Scenes that are compared if none is named.
 const SCENES: [&str; 9] = [
@@ -49,6 +50,11 @@ pub(in crate::cli) struct Args {
     #[arg(short, value_name = "N", allow_negative_numbers = true)]
     k: Option<u32>,
 
+    /// For methods that merge, how thick surfaces are that do not say so themselves: Nx, times the depth precision P(z),
+    /// or world units [default: 2x]
+    #[arg(long, value_name = "Nx|UNITS", allow_hyphen_values = true)]
+    thickness: Option<String>,
+
     /// Only adapters whose name or driver contains this [default: all]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -71,7 +77,7 @@ pub(in crate::cli) struct Args {
 
     /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's;
     /// then thousands of copies at once, their outcomes counted against all that interleavings allow
-    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k"])]
+    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k", "thickness"])]
     litmus: bool,
 
     /// With `--litmus`, how often each litmus pixel's copies are run, in each of three orders
@@ -114,6 +120,8 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         return litmus::run(args, &options);
     }
     let sizes = sizes(args)?;
+    let thickness =
+        args.thickness.as_deref().map_or(Ok(Thickness::default()), settings::thickness)?;
     let named: Vec<String> = match args.scenes.as_slice() {
         [] => SCENES.map(str::to_owned).to_vec(),
         named => named.to_vec(),
@@ -130,7 +138,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     let adapters: Vec<String> = devices.iter().map(|one| one.device.name.name.clone()).collect();
     let mut rows = Vec::new();
     for scene in &scenes {
-        let own = compare(args, scene, &devices, &options)?;
+        let own = compare(args, scene, &devices, &options, thickness)?;
         // Scene by scene: this can take a while.
         if !args.output.json {
             say::result(&lines(&own, &adapters))?;
@@ -212,6 +220,7 @@ fn compare(
     scene: &Scene,
     devices: &[open::Opened],
     options: &Options,
+    thickness: Thickness,
 ) -> Result<Vec<Agreement>> {
     let mut rows: Vec<Agreement> = Vec::new();
     for bits in [8, 4] {
@@ -221,7 +230,8 @@ fn compare(
         }
         let quiet = args.output.quiet;
         let message = format!("setting {} up", scene.name);
-        let picture = wait::during(quiet, &message, || Picture::new(scene, bits));
+        let picture =
+            wait::during(quiet, &message, || Picture::new(scene, bits).thick(scene, thickness));
         for opened in own {
             let message = format!("drawing {} on {}", scene.name, opened.device.name.name);
             let device: &Device = &opened.device;

@@ -5,8 +5,11 @@ use serde::Serialize;
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
 use crate::gpu::twin::band::Expected;
+use crate::gpu::twin::merged::{Pixel, as_one, held, merged};
 use crate::gpu::twin::resolve::Downloaded;
 use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::merging::components::Merged;
+use crate::scheme::merging::{Merging, sums};
 
 /// How a device's result differs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -29,6 +32,9 @@ pub struct Differences {
     pub torn: u64,
     /// Pixels with a result that the contract does not allow.
     pub not_allowed: u64,
+    /// Of a method that merges, pixels where arrival decides which records there are: of these, only what all of them
+    /// are together was compared.
+    pub unsettled: u64,
 }
 
 impl Differences {
@@ -43,6 +49,7 @@ impl Differences {
         self.duplicated += other.duplicated;
         self.torn += other.torn;
         self.not_allowed += other.not_allowed;
+        self.unsettled += other.unsettled;
     }
 
     /// Whether nothing differs.
@@ -66,6 +73,12 @@ pub fn compare(
 ) -> Differences {
     let mut sum =
         Differences { fragments: expected.generated.keys.len() as u64, ..Differences::default() };
+    if let Some(promised) = &expected.merged {
+        for (pixel, right) in promised.pixels.iter().enumerate() {
+            records(&promised.merging, right, got, pixel, &mut sum);
+        }
+        return sum;
+    }
     for pixel in 0..expected.kept.pixels() {
         let (right, found) = (expected.kept.pixel(pixel), got.pixel(pixel));
         let more = got.counts[pixel] as usize > found.len();
@@ -86,6 +99,32 @@ pub fn compare(
         sum.not_allowed += u64::from(more || !is_allowed(contract, &judged, right, found));
     }
     sum
+}
+
+/// Compare a pixel's merged records: what they are together, and the records themselves where arrival does not decide.
+fn records(
+    merging: &Merging,
+    right: &Pixel,
+    got: &Downloaded,
+    pixel: usize,
+    sum: &mut Differences,
+) {
+    let found = got.pixel(pixel);
+    let whole = got.counts[pixel] as usize == found.len();
+    let found = merged(found).filter(|_| whole).unwrap_or_default();
+    let all = as_one(found.iter().copied());
+    let weight = |all: Option<Merged>| all.map_or(0, |all| u64::from(sums::weight(all.sums)));
+    sum.lost += weight(right.all).saturating_sub(weight(all));
+    sum.duplicated += weight(all).saturating_sub(weight(right.all));
+    let equal = match &right.records {
+        Some(records) => held(&found, merging).list == *records,
+        None => true,
+    };
+    sum.unsettled += u64::from(right.records.is_none());
+    if !(equal && all == right.all) {
+        sum.list_differences += 1;
+        sum.not_allowed += 1;
+    }
 }
 
 fn judge(contract: &Contract, k: Option<u32>, generated: &[u64], found: &[u64]) -> Judgement {

@@ -15,7 +15,7 @@ use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::program::{
-    Bound, Dispatch, Group, Program, Shape, WRITABLE, constants, group, words_of,
+    Bound, Dispatch, FRAGMENT, Group, Program, Shape, WRITABLE, constants, group, words_of,
 };
 use crate::gpu::twin::source::Twin;
 use crate::memory::Inputs;
@@ -224,7 +224,7 @@ impl<'a, 'd> Bench<'a, 'd> {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let fragments = device.buffer("fragments", SLOT * MOST, usage)?;
         let slot = |i: u64| {
-            let part = Some((i * SLOT, 16));
+            let part = Some((i * SLOT, FRAGMENT));
             let stages = ShaderStages::COMPUTE;
             group(device, &[Bound { binding: 0, buffer: &fragments, part, kind: WRITABLE, stages }])
         };
@@ -274,7 +274,8 @@ impl<'a, 'd> Bench<'a, 'd> {
         let mut slots = vec![0u8; (SLOT * MOST) as usize];
         for (i, fragment) in fragments.iter().enumerate() {
             let at = i * SLOT as usize;
-            slots[at..at + 16].copy_from_slice(bytemuck::cast_slice(&words_of(fragment)));
+            slots[at..at + FRAGMENT as usize]
+                .copy_from_slice(bytemuck::cast_slice(&words_of(fragment)));
         }
         self.program.device.queue.write_buffer(&self.fragments, 0, &slots);
         let found = self.run(&runs)?;
@@ -302,7 +303,7 @@ impl<'a, 'd> Bench<'a, 'd> {
     fn run(&self, runs: &[Vec<Step>]) -> Result<Vec<Vec<Seen>>> {
         let (device, shape) = (self.program.device, &self.program.shape);
         let sizes: [u64; 4] = std::array::from_fn(|binding| shape.bytes(binding as u32));
-        let size = sizes.iter().sum::<u64>() + 16;
+        let size = sizes.iter().sum::<u64>() + FRAGMENT;
         let count: usize = runs.iter().map(Vec::len).sum();
         let usage = BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let all = device.buffer("snapshots", size * count as u64, usage)?;
@@ -322,8 +323,8 @@ impl<'a, 'd> Bench<'a, 'd> {
                     }
                 }
                 if let Step::Store(i) = step {
-                    let (from, to) = (i as u64 * SLOT, at + size - 16);
-                    encoder.copy_buffer_to_buffer(&self.fragments, from, &all, to, 16);
+                    let (from, to) = (i as u64 * SLOT, at + size - FRAGMENT);
+                    encoder.copy_buffer_to_buffer(&self.fragments, from, &all, to, FRAGMENT);
                 }
                 at += size;
             }
@@ -339,8 +340,8 @@ impl<'a, 'd> Bench<'a, 'd> {
                 rest = behind;
                 words.to_vec()
             });
-            let outcome = u32::from_le_bytes([rest[12], rest[13], rest[14], rest[15]]);
-            let outcome = matches!(step, Step::Store(_)).then_some(outcome);
+            let fragment: Vec<u32> = bytemuck::pod_collect_to_vec(rest);
+            let outcome = fragment.last().copied().filter(|_| matches!(step, Step::Store(_)));
             Seen { words, outcome }
         };
         Ok(runs.iter().map(|steps| steps.iter().map(&mut seen).collect()).collect())

@@ -10,12 +10,12 @@ use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::band::{Band, Picture};
 use crate::gpu::twin::program::{Program, Shape, constants};
-use crate::gpu::twin::raster::{Raster, Triangles};
+use crate::gpu::twin::raster::{self, Raster, Triangles};
 use crate::gpu::twin::resolve::resolve;
 use crate::gpu::twin::source::{Twin, twin, twins};
 use crate::raster::Record;
 use crate::scene::Scene;
-use crate::scheme::contract::Contract;
+use crate::scheme::contract::{Contract, Keeps};
 use serde::Serialize;
 
 /// How fragments reach the store pass.
@@ -209,6 +209,9 @@ impl BandRun<'_> {
         if self.device.is_lost() {
             return Err(Failure::Lost("by an earlier run; this one was not started".to_owned()));
         }
+        if self.path == Path::Raster {
+            raster::knows_fragments_of(self.contract)?;
+        }
         let record = record(self.contract);
         let shape = Shape::new(self.twin.method, band.config(self.contract, self.k))?;
         if self.twin.needs_atomics64() && !self.device.atomics64 {
@@ -231,7 +234,7 @@ impl BandRun<'_> {
             }
         }
         let expected = band.expected(self.twin.method, record, self.k);
-        let got = resolve(&program, &band.picture.palette, &expected.kept.starts)?;
+        let got = resolve(&program, &band.picture.palette, expected.starts())?;
         let differences = compare(self.contract, self.k, &expected, &got);
         Ok((differences, by_compute, program.again()))
     }
@@ -279,17 +282,27 @@ impl BandRun<'_> {
                 format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
             return (Status::Different, false, reason);
         }
-        let reason = if self.contract.is_racy() && self.path == Path::Raster {
-            "proves nothing about races: a driver may draw a tile in order, on one thread"
-        } else if self.contract.is_racy() {
-            "this time; it races"
-        } else if !self.contract.is_within_wgsl() {
-            "not guaranteed by WGSL"
-        } else {
-            ""
-        };
-        (Status::Equal, false, reason.to_owned())
+        let unsettled = format!("of {} pixels only the sum: arrival decides", sum.unsettled);
+        let (racy, raster) = (self.contract.is_racy(), self.path == Path::Raster);
+        let reasons = [
+            (
+                racy && raster,
+                "proves nothing about races: a driver may draw a tile in order, on one thread",
+            ),
+            (racy && !raster, "this time; it races"),
+            (!racy && !self.contract.is_within_wgsl(), "not guaranteed by WGSL"),
+            (self.contract.keeps == Keeps::Merged, "records without colours"),
+            (sum.unsettled > 0, &unsettled),
+        ];
+        (Status::Equal, false, holding(&reasons))
     }
+}
+
+/// What holds of some reasons.
+pub(super) fn holding(reasons: &[(bool, &str)]) -> String {
+    let holding: Vec<&str> =
+        reasons.iter().filter(|(holds, _)| *holds).map(|(_, why)| *why).collect();
+    holding.join("; ")
 }
 
 /// The contents of a row whose run ended early: its status, whether it is a finding, and the reason.

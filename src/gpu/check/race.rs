@@ -8,7 +8,7 @@ use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Result;
 use crate::gpu::twin::band::{Band, Picture};
 use crate::gpu::twin::program::{Program, Shape, constants};
-use crate::gpu::twin::raster::{Raster, Triangles};
+use crate::gpu::twin::raster::{self, Raster, Triangles};
 use crate::gpu::twin::resolve::Resolve;
 use crate::gpu::twin::source::Twin;
 
@@ -32,6 +32,7 @@ impl<'d> Contender<'d> {
         k: Option<u32>,
     ) -> Result<Self> {
         let contract = twin.method.contract();
+        raster::knows_fragments_of(contract)?;
         let band = picture.whole();
         let record = record(contract);
         let shape = Shape::new(twin.method, band.config(contract, k))?;
@@ -53,7 +54,7 @@ impl<'d> Contender<'d> {
     ) -> Result<Vec<f64>> {
         let contract = self.program.shape.contract;
         let expected = self.band.expected(self.program.twin.method, record(contract), k);
-        let starts = &expected.kept.starts;
+        let starts = expected.starts();
         let raster = Raster::new(&self.program, &self.band, &self.triangles)?;
         let resolve = Resolve::new(&self.program, &self.band.picture.palette, starts)?;
         let frame = || {

@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::crosscheck::Status;
+use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
 use crate::explore::program::litmus::Litmus;
 use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
-use crate::fragment::{Data, Fragment};
+use crate::fragment::{Data, Fragment, depth_of};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::merged;
 use crate::gpu::twin::program::{Program, Shape, constants};
 use crate::gpu::twin::resolve::resolve;
 use crate::gpu::twin::source::Twin;
@@ -20,7 +21,8 @@ use crate::num::random::Random;
 use crate::raster::{Grid, Record};
 use crate::scheme::contract::Contract;
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::{Config, Held};
+use crate::scheme::merging::Merging;
+use crate::scheme::{Config, Depth, Held, HeldKind};
 
 /// Copies of a litmus pixel in one picture.
 const COPIES: u32 = 4_096;
@@ -106,7 +108,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     };
     let device_model = explore::Conditions { memory: MemoryModel::Sequential, warp: None };
     let limits = Limits { states: STATES, cancelled: &|| false };
-    let mut known = BTreeSet::new();
+    let (mut known, mut program) = (BTreeSet::new(), None);
     for litmus in instances(&subject, &family).into_iter().filter(whole) {
         if contract.crosses() && known.contains(&litmus.fragments) {
             continue;
@@ -116,20 +118,21 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             sum.unexplored += 1;
             continue;
         }
-        let first = |pixels: &Vec<Held>| pixels[0].keys().unwrap_or_default().to_vec();
-        let mut tally: BTreeMap<Vec<u64>, u64> =
-            explored.outcomes.keys().map(|pixels| (first(pixels), 0)).collect();
+        let mut tally: BTreeMap<Held, u64> =
+            explored.outcomes.keys().map(|pixels| (pixels[0].clone(), 0)).collect();
         if contract.crosses() {
             // Copies share one table in which all find room, so they must all find room in the explored table too.
             let mut all = litmus.generated(0);
             contract.keep(&mut all, None);
-            if !tally.keys().eq([&all]) {
+            if !tally.keys().eq([&Held::Keys(all)]) {
                 continue;
             }
             known.insert(litmus.fragments.clone());
         }
         sum.possible += tally.len() as u64;
-        match run(device, twin, contract, &litmus, extent, &mut tally) {
+        let ran = program_for(&mut program, device, twin, copied(contract, &litmus))
+            .and_then(|program| run(program, &litmus, extent, &mut tally));
+        match ran {
             Ok(others) => sum.explain(&subject, &litmus, &others),
             Err(Failure::Unsupported(why)) => {
                 sum.status = Status::Unsupported;
@@ -158,15 +161,14 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];
-        let holding = reasons.iter().filter(|(holds, _)| *holds).map(|(_, why)| *why);
-        sum.reason = holding.collect::<Vec<_>>().join("; ");
+        sum.reason = holding(&reasons);
     }
     Ok(sum)
 }
 
 impl Stressed {
     /// Sort outcomes of no interleaving into those that relaxed memory allows, and the others.
-    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Vec<u64>, u64>) {
+    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Held, u64>) {
         if others.is_empty() {
             return;
         }
@@ -174,8 +176,8 @@ impl Stressed {
             explore::Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
         let limits = Limits { states: STATES, cancelled: &|| false };
         let explored = explore::explore(subject, litmus, conditions, &limits);
-        for (keys, &count) in others {
-            if explored.outcomes.contains_key(&[Held::Keys(keys.clone())][..]) {
+        for (held, &count) in others {
+            if explored.outcomes.contains_key(std::slice::from_ref(held)) {
                 self.relaxed += count;
                 continue;
             }
@@ -183,24 +185,17 @@ impl Stressed {
             self.first_outside.get_or_insert_with(|| {
                 let more =
                     if explored.complete { "" } else { " (relaxed memory: not all explored)" };
-                format!("{}: {keys:x?}{more}", litmus.describe())
+                format!("{}: {held}{more}", litmus.describe())
             });
         }
     }
 }
 
-/// Run an instance, and give the outcomes that are not in the tally.
-fn run(
-    device: &Device,
-    twin: Twin,
-    contract: &'static Contract,
-    litmus: &Litmus,
-    extent: Extent,
-    tally: &mut BTreeMap<Vec<u64>, u64>,
-) -> Result<BTreeMap<Vec<u64>, u64>> {
+/// The configuration of a picture of copies.
+fn copied(contract: &Contract, litmus: &Litmus) -> Config {
     let one = litmus.config(contract);
     let copies = u64::from(COPIES);
-    let config = Config {
+    Config {
         pixels: COPIES,
         generated: one.generated * copies,
         bounded: one.bounded * copies,
@@ -212,13 +207,41 @@ fn run(
             ..TableSettings::default()
         },
         ..one
+    }
+}
+
+/// The program of a configuration: the last one, if it is the same.
+fn program_for<'a, 'd>(
+    last: &'a mut Option<Program<'d>>,
+    device: &'d Device,
+    twin: Twin,
+    config: Config,
+) -> Result<&'a Program<'d>> {
+    let known = last.take().filter(|program| program.shape.config == config);
+    let program = match known {
+        Some(program) => program,
+        None => {
+            let shape = Shape::new(twin.method, config)?;
+            let record = Record { depth: Format::D32, data: Data::Color };
+            let constants = constants(&shape, record, [0; 3]);
+            Program::new(device, twin, shape, constants)?
+        }
     };
-    let shape = Shape::new(twin.method, config)?;
-    let record = Record { depth: Format::D32, data: Data::Color };
-    let constants = constants(&shape, record, [0; 3]);
-    let program = Program::new(device, twin, shape, constants)?;
+    Ok(last.insert(program))
+}
+
+/// Run an instance, and give the outcomes that are not in the tally.
+fn run(
+    program: &Program<'_>,
+    litmus: &Litmus,
+    extent: Extent,
+    tally: &mut BTreeMap<Held, u64>,
+) -> Result<BTreeMap<Held, u64>> {
+    let (method, contract) = (program.twin.method, program.shape.contract);
+    let merging = program.shape.config.merging;
     let n = litmus.fragments.len() as u32;
-    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * n).collect();
+    let room = if method.holds() == HeldKind::Records { n * merged::WORDS } else { n };
+    let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     let mut others = BTreeMap::new();
     let mut fill = true;
     for repeat in 0..extent.repeats {
@@ -228,17 +251,29 @@ fn run(
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
             program.run(|function| program.compute(function, &fragments))?;
-            let got = resolve(&program, &[0; 256], &starts)?;
+            let got = resolve(program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let found = got.pixel(pixel);
-                match tally.get_mut(found).filter(|_| got.counts[pixel] <= n) {
+                let found = held(method.holds(), got.pixel(pixel), &merging);
+                match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
                     Some(count) => *count += 1,
-                    None => *others.entry(found.to_vec()).or_default() += 1,
+                    None => *others.entry(found).or_default() += 1,
                 }
             }
         }
     }
     Ok(others)
+}
+
+/// What a device emits for a pixel. A depth is a record without data, or none.
+fn held(kind: HeldKind, words: &[u64], merging: &Merging) -> Held {
+    match (kind, merged::merged(words)) {
+        (HeldKind::Records, Some(all)) => Held::Records(merged::held(&all, merging)),
+        (HeldKind::Depth, _) => {
+            let depth = words.first().copied().map(depth_of).map(Depth);
+            Held::Depth(depth.unwrap_or_default())
+        }
+        _ => Held::Keys(words.to_vec()),
+    }
 }
 
 /// The positions of a pixel's fragments among all.

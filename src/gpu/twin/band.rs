@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
+use super::merged::Promised;
 use crate::exec::Method;
 use crate::exec::promise::{Promise, bound};
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
@@ -14,11 +15,13 @@ use crate::num::color::{srgb, word16};
 use crate::num::depth::Format;
 use crate::num::random::Random;
 use crate::raster::primitive::Rect;
+use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::resolve::composite::Ray;
-use crate::scene::Scene;
+use crate::scene::{Scene, Thickness};
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
+use crate::scheme::merging::Merging;
 use crate::scheme::{Config, Depth, Held, exact};
 
 /// Tile edge: small, so that bands can be small.
@@ -49,6 +52,7 @@ impl Picture {
     pub fn new(scene: &Scene, sub_pixel_bits: u32) -> Self {
         let grid = Grid { width: scene.size[0], height: scene.size[1], tile: TILE };
         let front = FrontEnd::outlined(scene, grid, sub_pixel_bits, CullFace::None);
+        let front = front.thick(Slabs::new(scene, Thickness::default()));
         let mut palette: Vec<u32> = vec![0; 256];
         for linear in (1..=u16::MAX).filter(|&linear| srgb(linear) > srgb(linear - 1)) {
             palette[usize::from(srgb(linear))] = linear.into();
@@ -62,6 +66,12 @@ impl Picture {
         }
         let bands = bands(&front);
         Self { front, background: scene.background.map(word16), palette, bands }
+    }
+
+    /// How thick surfaces are that do not say so themselves, for methods whose fragments are slabs.
+    #[must_use]
+    pub fn thick(self, scene: &Scene, thickness: Thickness) -> Self {
+        Self { front: self.front.thick(Slabs::new(scene, thickness)), ..self }
     }
 
     /// The whole of it as one band.
@@ -117,6 +127,7 @@ struct Question {
     record: Record,
     keeps: Keeps,
     identical: bool,
+    arrival: bool,
     k: Option<u32>,
 }
 
@@ -193,6 +204,11 @@ impl<'p> Band<'p> {
             records: u64::from(k.unwrap_or(0))
                 * u64::from(self.grid.width)
                 * u64::from(self.grid.height),
+            merging: Merging {
+                planes: self.picture.front.slabs().map(Slabs::planes).unwrap_or_default(),
+                format: contract.depth_format.unwrap_or_default(),
+                ..Merging::default()
+            },
             ..Config::default()
         }
     }
@@ -241,33 +257,58 @@ impl<'p> Band<'p> {
     pub fn expected(&self, method: Method, record: Record, k: Option<u32>) -> Rc<Expected> {
         let contract = method.contract();
         let (keeps, identical) = (contract.keeps, contract.keeps_alike());
-        let question = Question { record, keeps, identical, k: k.or(contract.default_k) };
+        let (k, arrival) = (k.or(contract.default_k), contract.is_arrival_dependent());
+        let question = Question { record, keeps, identical, arrival, k };
         let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
         if let Some((_, answer)) = known {
             return answer;
         }
         let config = self.config(contract, k);
-        let answer = Rc::new(answer(&self.lists, self.picture, method, &config, question));
+        let answer = Rc::new(self.answer(method, &config, question));
         self.answers.borrow_mut().push((question, Rc::clone(&answer)));
         answer
     }
+
+    fn answer(&self, method: Method, config: &Config, question: Question) -> Expected {
+        let contract = method.contract();
+        let instance = method.instance(config);
+        let instance = instance.as_deref();
+        let inputs = instance.map_or_else(Inputs::default, |i| Inputs::defaults(i.layout()));
+        let counts = || self.lists.iter().map(|list| list.len() as u32).collect();
+        let bound = bound(method, instance, question.k, &inputs, config.pixels, counts);
+        let promise = Promise::new(method, instance, &inputs, bound);
+        if contract.keeps != Keeps::Merged {
+            return kept(&self.lists, self.picture, contract, &promise, question);
+        }
+        let columns = self.grid.columns() as usize;
+        let tiles = self.rows.start * columns..self.rows.end * columns;
+        let slabs = |tile| exact::slabs(&self.picture.front, tile, question.record);
+        let lists: Vec<Vec<Fragment>> = tiles.into_par_iter().map(slabs).flatten_iter().collect();
+        merged(&lists, &promise, config)
+    }
 }
 
-fn answer(
+/// What a method that merges must give for pixels with these fragments.
+fn merged(lists: &[Vec<Fragment>], promise: &Promise<'_>, config: &Config) -> Expected {
+    let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
+    let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
+    let promised = Promised::new(lists, config.k.unwrap_or(u32::MAX), config.merging, promise);
+    Expected {
+        generated: Lists::of(&generated),
+        kept: Lists::of(&vec![Vec::new(); lists.len()]),
+        colors: Vec::new(),
+        merged: Some(promised),
+    }
+}
+
+/// What any other method must give.
+fn kept(
     lists: &[Vec<u64>],
     picture: &Picture,
-    method: Method,
-    config: &Config,
-    question: Question,
+    contract: &Contract,
+    promise: &Promise<'_>,
+    Question { record, k, .. }: Question,
 ) -> Expected {
-    let Question { record, k, .. } = question;
-    let contract = method.contract();
-    let instance = method.instance(config);
-    let instance = instance.as_deref();
-    let inputs = instance.map_or_else(Inputs::default, |i| Inputs::defaults(i.layout()));
-    let counts = || lists.iter().map(|list| list.len() as u32).collect();
-    let bound = bound(method, instance, k, &inputs, config.pixels, counts);
-    let promise = Promise::new(method, instance, &inputs, bound);
     let named = record.data == Data::Primitive;
     let word = |&exact: &u64| {
         let data = if named { data_of(exact) } else { 0 };
@@ -299,7 +340,7 @@ fn answer(
     };
     let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
     let colors = kept.par_iter().map(color).collect();
-    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors }
+    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors, merged: None }
 }
 
 fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
@@ -350,4 +391,14 @@ pub struct Expected {
     pub kept: Lists,
     /// The pixels' colours, sRGB RGBA8.
     pub colors: Vec<u32>,
+    /// Of a method that merges, all that it must give; nothing is then kept, and nothing coloured.
+    pub merged: Option<Promised>,
+}
+
+impl Expected {
+    /// Where each pixel's places begin in the results of resolve, and the end.
+    #[must_use]
+    pub fn starts(&self) -> &[u32] {
+        self.merged.as_ref().map_or(&self.kept.starts, |merged| &merged.starts)
+    }
 }

@@ -2,6 +2,7 @@
 //! rasterizer, and lists, resolved.
 
 pub mod band;
+pub mod merged;
 pub mod program;
 pub mod raster;
 pub mod resolve;

@@ -15,9 +15,10 @@ use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 use crate::scheme::Config;
-use crate::scheme::contract::Contract;
+use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::course::{Course, Part};
 use crate::scheme::culling::occupancy::MOST_WORDS;
+use crate::scheme::merging::sums::logarithms;
 use crate::scheme::program::PassKind;
 
 /// Threads of a workgroup; and workgroups in a row of a dispatch (`shared/index.wgsl`).
@@ -29,6 +30,12 @@ pub const CHUNK: usize = 1 << 20;
 
 /// How often an invocation that gives up waiting is run.
 const PATIENCE: u32 = 1_000;
+
+/// Bytes of a fragment.
+pub(in crate::gpu) const FRAGMENT: u64 = size_of::<Words>() as u64;
+
+/// A fragment as `shared/fragment.wgsl` has it: pixel, depth, data, the third word, and room for the outcome.
+pub type Words = [u32; 5];
 
 /// The outcome of an invocation that gave up (`shared/fragment.wgsl`).
 const STUCK: u32 = 7;
@@ -144,16 +151,17 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
         .with("CELLS", table.cells().max(1))
         .with("AGES", table.ages.into())
         .with("DATA_IS_TRIANGLE", (record.data == Data::Primitive).into())
+        .with("HOLDS_RECORDS", (shape.contract.keeps == Keeps::Merged).into())
         .with("DEPTH_SHIFT", if record.depth == Format::D24 { 8 } else { 0 })
         .with("BACKGROUND_R", red)
         .with("BACKGROUND_G", green)
         .with("BACKGROUND_B", blue)
 }
 
-/// A fragment as `shared/fragment.wgsl` has it.
+/// A fragment's words.
 #[must_use]
-pub fn words_of(fragment: &Fragment) -> [u32; 4] {
-    [fragment.pixel, fragment.depth, fragment.data, fragment.extra]
+pub fn words_of(fragment: &Fragment) -> Words {
+    [fragment.pixel, fragment.depth, fragment.data, fragment.extra, 0]
 }
 
 /// A group of bindings, whose layout is known.
@@ -466,17 +474,17 @@ impl<'d> Program<'d> {
     }
 
     /// Invocations of a geometry pass, at most [`CHUNK`].
-    fn invoke(&self, function: &str, mut words: Vec<[u32; 4]>) -> Result<()> {
+    fn invoke(&self, function: &str, mut words: Vec<Words>) -> Result<()> {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let buffer = self.device.buffer("fragments", 16 * words.len() as u64, usage)?;
+        let buffer = self.device.buffer("fragments", FRAGMENT * words.len() as u64, usage)?;
         for _ in 0..PATIENCE {
             self.invoke_once(function, &buffer, &words)?;
             if !(self.twin.waits() && function == "store") {
                 return Ok(());
             }
-            let found = self.device.read(&buffer, 16 * words.len() as u64)?;
+            let found = self.device.read(&buffer, FRAGMENT * words.len() as u64)?;
             words = bytemuck::pod_collect_to_vec(&found);
-            words.retain(|fragment| fragment[3] == STUCK);
+            words.retain(|fragment| fragment[4] == STUCK);
             if words.is_empty() {
                 return Ok(());
             }
@@ -489,15 +497,16 @@ impl<'d> Program<'d> {
     ///
     /// # Errors
     /// As [`Self::compute`].
-    pub(in crate::gpu) fn repeat(&self, words: Vec<[u32; 4]>) -> Result<()> {
+    pub(in crate::gpu) fn repeat(&self, words: Vec<Words>) -> Result<()> {
         self.again.set(self.again.get() + words.len() as u64);
         self.invoke("store", words)
     }
 
-    fn invoke_once(&self, function: &str, buffer: &wgpu::Buffer, words: &[[u32; 4]]) -> Result<()> {
+    fn invoke_once(&self, function: &str, buffer: &wgpu::Buffer, words: &[Words]) -> Result<()> {
         self.device.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words));
         let entry = format!("{function}_pass");
-        let (group, pass) = self.fragments_group(buffer, 0, 16 * words.len() as u64, &entry)?;
+        let (group, pass) =
+            self.fragments_group(buffer, 0, FRAGMENT * words.len() as u64, &entry)?;
         let mut encoder = self.device.encoder();
         self.dispatch(&mut encoder, &pass, Some(&group.group), words.len() as u64);
         self.device.submit(encoder)
@@ -531,8 +540,15 @@ fn inputs(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
     device.filled("inputs", bytemuck::cast_slice(&words), BufferUsages::STORAGE)
 }
 
-/// The offsets of a hash table's ages.
+/// What a method looks up: the logarithms of opacities, of one that mixes them; else the offsets of a hash table's ages.
 fn table(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
+    if shape.contract.keeps == Keeps::Merged {
+        return device.filled(
+            "logarithms",
+            bytemuck::cast_slice(&*logarithms()),
+            BufferUsages::UNIFORM,
+        );
+    }
     let mut offsets = shape.config.table.offsets();
     offsets.resize(256, [0; 2]);
     device.filled("offsets", bytemuck::cast_slice(&offsets), BufferUsages::UNIFORM)

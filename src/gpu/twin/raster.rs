@@ -11,13 +11,14 @@ use std::ops::Range;
 use wgpu::BufferUsages;
 
 use super::band::Band;
-use super::program::{Bound, Group, Program, WRITABLE, group};
+use super::program::{Bound, FRAGMENT, Group, Program, WRITABLE, group};
 use super::source::Path;
 use crate::fragment::Fragment;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::raster::clip::{Polygon, Snapped, UNITS, doubled_area};
 use crate::raster::{Record, primitive::Rect};
+use crate::scheme::contract::Contract;
 
 /// Edge of the viewport, in pixels: a power of two, so that the mapping to clip space and back is exact.
 const VIEWPORT: i32 = 8_192;
@@ -25,7 +26,7 @@ const VIEWPORT: i32 = 8_192;
 /// Fragments of one submission, about.
 const CHUNK: u64 = 1 << 22;
 
-/// Bytes for invocations that give up waiting in one submission: 65,535 fragments.
+/// Bytes for invocations that give up waiting in one submission: 52,428 fragments.
 const GIVEN_UP: u64 = 1 << 20;
 
 /// One instance, as `pass/raster.wgsl` has it.
@@ -203,7 +204,7 @@ impl<'a, 'd> Raster<'a, 'd> {
         if count == 0 {
             return Ok(());
         }
-        let bytes = 4 + 16 * count;
+        let bytes = 4 + FRAGMENT * count;
         if bytes > self.given_up.size() {
             return Err(Failure::Stuck(count));
         }
@@ -319,6 +320,18 @@ fn target(device: &Device, width: u32, height: u32) -> Result<wgpu::TextureView>
     });
     device.check()?;
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+/// Whether a device's rasterizer knows all of a fragment that a method asks for.
+///
+/// # Errors
+/// It does not.
+pub fn knows_fragments_of(contract: &Contract) -> Result<()> {
+    if contract.has_slabs() {
+        let problem = "only on the compute path: its fragments are slabs, whose near ends the device does not compute";
+        return Err(Failure::Unsupported(problem.to_owned()));
+    }
+    Ok(())
 }
 
 /// Sub-pixel bits of a device, measured: left edges at 1/2 + 3/4 of a step beyond a pixel's centre leave the pixel out

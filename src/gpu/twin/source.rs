@@ -31,7 +31,8 @@ const FILES: &[(&str, &str)] = files! {
     "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
     "shared/sort" "shared/wide" "shared/word64"
-    "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/ranges" "parts/table"
+    "parts/counted_down" "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged"
+    "parts/ranges" "parts/table"
 };
 
 macro_rules! twins {
@@ -59,6 +60,8 @@ const TWINS: &[(&str, &str)] = twins! {
     "ha64" "hash_table/ha64"
     "ha32" "hash_table/ha32"
     "occupancy" "culling/occupancy"
+    "skb+ofm" "merging/skb_ofm"
+    "dfb+ofm" "merging/dfb_ofm"
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.

@@ -62,7 +62,9 @@ impl Merged {
 }
 
 impl Stored {
-    fn alone<M: Mix>(self, logarithms: &Logarithms) -> Merged {
+    /// As a record of its own.
+    #[must_use]
+    pub fn alone<M: Mix>(self, logarithms: &Logarithms) -> Merged {
         let sums = M::one(self.data, logarithms);
         Merged { near: self.near, depth: self.depth, sums }
     }

@@ -148,6 +148,7 @@ impl Merge for Overlapping {
         title: "dynamic fragment buffer; resolve merges overlapping slabs, whatever their order",
         section: "3.2.2, 3.3.2; the components of the overlap are ours",
         exact_when: "k >= f(p) and no slabs overlap",
+        wgsl: ranges::counted("", crate::scheme::Keeps::Merged).wgsl,
         ..CONTRACT
     };
 

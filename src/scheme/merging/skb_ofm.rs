@@ -328,6 +328,7 @@ const CONTRACT: Contract = Contract {
     ties: "canonical among surfaces of equal depth; slabs of equal depth are merged",
     overflow: Overflow::Never("the farthest record is mixed into the tail, the last record"),
     needs: lock::NEEDS,
+    wgsl: lock::WGSL,
     source: include_str!("skb_ofm.rs"),
     ..merging("skb+ofm")
 };

@@ -42,5 +42,5 @@ fn fragment_of(corner: Corner) -> Fragment {
     let place = vec2<u32>(corner.position.xy);
     let plane = Plane(corner.slopes.xy, corner.slopes.zw, corner.rest.xy, corner.rest.z, corner.rest.w);
     let depth = depth_code(plane, place + vec2<u32>(0u, BAND_TOP)) >> DEPTH_SHIFT;
-    return Fragment(pixel_at(place), depth, corner.data * DATA_IS_TRIANGLE, KEPT);
+    return Fragment(pixel_at(place), depth, corner.data * DATA_IS_TRIANGLE, 0u, KEPT);
 }

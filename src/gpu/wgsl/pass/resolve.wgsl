@@ -10,8 +10,11 @@ fn resolve_pass(@builtin(global_invocation_id) id: vec3<u32>) {
         ray.count = 0u;
         resolve(pixel);
         let count = min(ray.count, ray.room);
-        sort(ray.start, count);
         rays[pixel].count = ray.count;
-        rays[pixel].color = composite(ray.start, count);
+        // Merged records are several words each, and their colours are no whole numbers.
+        if HOLDS_RECORDS == 0u {
+            sort(ray.start, count);
+            rays[pixel].color = composite(ray.start, count);
+        }
     }
 }

@@ -6,6 +6,8 @@ struct Fragment {
     pixel: u32,
     depth: u32,
     data: u32,
+    // A third word, where the method's fragments have one: the near end of a slab.
+    extra: u32,
     // Written by the store pass.
     outcome: u32,
 }
