@@ -6,6 +6,7 @@ mod support;
 use fragloom::exec::one_pixel::OnePixel;
 use fragloom::fragment::Fragment;
 use fragloom::num::depth::{FARTHEST, Format};
+use fragloom::num::orders::orders;
 use fragloom::num::planes::Planes;
 use fragloom::render::{Exec, Kept, Options, Policy, reference};
 use fragloom::scene::{Scene, Thickness};
@@ -375,29 +376,12 @@ fn sets() -> Vec<(&'static str, Vec<Three>)> {
     ]
 }
 
-/// Every order.
-fn permutations(n: usize) -> Vec<Vec<usize>> {
-    let mut all: Vec<Vec<usize>> = vec![vec![]];
-    for i in 0..n {
-        let longer = |order: &Vec<usize>| {
-            let order = order.clone();
-            (0..=order.len()).map(move |at| {
-                let mut order = order.clone();
-                order.insert(at, i);
-                order
-            })
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
-    all
-}
-
 /// The results of all orders: how many differ.
 fn results(method: &str, k: u32, slabs: &[Three]) -> Vec<Held> {
     let config = OnePixel::config(slabs.len(), k, Config::default());
     let pixel = one_pixel(method, &config);
     let fragments: Vec<Fragment> = slabs.iter().map(fragment).collect();
-    let mut results: Vec<Held> = permutations(slabs.len())
+    let mut results: Vec<Held> = orders(slabs.len())
         .into_iter()
         .map(|order| {
             let ordered: Vec<Fragment> = order.into_iter().map(|i| fragments[i]).collect();
@@ -413,12 +397,12 @@ fn results(method: &str, k: u32, slabs: &[Three]) -> Vec<Held> {
 /// every k.
 #[test]
 fn merging_by_overlap_gives_the_components_in_every_order() {
-    let mut orders = 0;
+    let mut count = 0;
     for (name, slabs) in sets() {
         let all = components(&slabs);
         for k in [1, 2, 3, 8] {
             let found = results("dfb+ofm", k, &slabs);
-            orders += permutations(slabs.len()).len();
+            count += orders(slabs.len()).len();
             let [Held::Records(records)] = found.as_slice() else { panic!("{name}: {found:?}") };
             let mut expected = all.clone();
             if expected.len() > k as usize {
@@ -442,7 +426,7 @@ fn merging_by_overlap_gives_the_components_in_every_order() {
             );
         }
     }
-    println!("{orders} orders");
+    println!("{count} orders");
 }
 
 /// `skb+ofm` gives the same, bit for bit, wherever it says what it gives; else some order gives something else, but for

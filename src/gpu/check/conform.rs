@@ -22,6 +22,7 @@ use crate::memory::Inputs;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::num::depth::Format;
+use crate::num::orders::orders;
 use crate::raster::Record;
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
@@ -264,7 +265,7 @@ impl<'a, 'd> Bench<'a, 'd> {
     fn compare(&self, litmus: &Litmus, sum: &mut Conformance) -> Result<()> {
         let Shape { contract, config, ref inputs, .. } = self.program.shape;
         let fragments: Vec<Fragment> = litmus.fragments(contract).collect();
-        let orders: Vec<Vec<usize>> = permutations(fragments.len());
+        let orders: Vec<Vec<usize>> = orders(fragments.len());
         let runs: Vec<Vec<Step>> =
             orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();
         let Some(instance) = self.program.twin.method.instance(&config) else { return Ok(()) };
@@ -388,32 +389,4 @@ fn difference(right: &Seen, found: &Seen) -> String {
         }
     }
     format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome)
-}
-
-/// All permutations of `n` things.
-fn permutations(n: usize) -> Vec<Vec<usize>> {
-    let mut all = vec![Vec::new()];
-    for i in 0..n {
-        let longer = |order: &Vec<usize>| {
-            let order = order.clone();
-            (0..=order.len()).map(move |place| {
-                let mut order = order.clone();
-                order.insert(place, i);
-                order
-            })
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn permutations_are_all_different() {
-        let all: std::collections::BTreeSet<_> = permutations(4).into_iter().collect();
-        assert_eq!(all.len(), 24);
-    }
 }
