@@ -18,6 +18,12 @@ fn hash(scene: &Scene) -> String {
         for values in [&mesh.positions, &mesh.normals, &mesh.colors] {
             floats(values.as_flattened());
         }
+        for disc in &mesh.discs {
+            floats(&disc.center);
+            floats(disc.axes.as_flattened());
+            floats(&disc.color);
+            floats(&[disc.alpha, disc.sigmas]);
+        }
         let material = &scene.materials[object.material];
         floats(&material.color);
         floats(&[material.alpha]);
