@@ -8,7 +8,6 @@ mod gone;
 mod plot;
 mod records;
 mod sight;
-pub mod slabs;
 
 use crate::effect::Effect;
 use crate::error::{Error, Result};

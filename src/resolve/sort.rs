@@ -26,29 +26,42 @@ impl Sort {
     pub fn run(self, keys: &mut [u64]) {
         match self {
             Self::Fastest => canonical(keys),
-            Self::Published if keys.len() <= PUBLISHED_INSERTION => insertion(keys),
-            Self::Published => shell(keys),
+            Self::Published => published(keys, || ()),
         }
     }
 }
 
-fn shell(keys: &mut [u64]) {
+/// Sort ascending as published, and tell of every comparison and every move.
+#[inline]
+pub fn published<T: Ord + Copy>(list: &mut [T], mut operation: impl FnMut()) {
+    if list.len() <= PUBLISHED_INSERTION {
+        return insert_by(1, list, &mut operation);
+    }
     let mut gaps = GAPS.to_vec();
     while let Some(&last) = gaps.last()
-        && last < keys.len()
+        && last < list.len()
     {
         gaps.push(last * 9 / 4);
     }
-    for &gap in gaps.iter().rev() {
-        for i in gap..keys.len() {
-            let key = keys[i];
-            let mut place = i;
-            while place >= gap && keys[place - gap] > key {
-                keys[place] = keys[place - gap];
-                place -= gap;
+    gaps.iter().rev().for_each(|&gap| insert_by(gap, list, &mut operation));
+}
+
+/// Insertion sort of the elements that lie a gap apart.
+#[inline]
+fn insert_by<T: Ord + Copy>(gap: usize, list: &mut [T], operation: &mut impl FnMut()) {
+    for i in gap..list.len() {
+        let (own, mut place) = (list[i], i);
+        while place >= gap {
+            operation();
+            if list[place - gap] <= own {
+                break;
             }
-            keys[place] = key;
+            list[place] = list[place - gap];
+            operation();
+            place -= gap;
         }
+        list[place] = own;
+        operation();
     }
 }
 
@@ -88,5 +101,16 @@ mod tests {
                 assert_eq!(sorted, expected, "{sort:?}");
             }
         }
+    }
+
+    #[test]
+    fn operations_of_the_published_sort_are_counted() {
+        let count = |list: &mut [u32]| {
+            let mut operations = 0;
+            published(list, || operations += 1);
+            operations
+        };
+        assert_eq!(count(&mut [1, 2, 3]), 4, "two comparisons, two moves back");
+        assert_eq!(count(&mut [2, 1]), 3, "one comparison, two moves");
     }
 }

@@ -309,9 +309,10 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
     let _turn = turn();
     for opened in all("litmus pixels") {
         for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32", "skb+ofm", "dfb+ofm"] {
-            // Slabs have many more litmus pixels.
-            let fragments = if method.contains("+ofm") { 2 } else { 3 };
-            let extent = stress::Extent { fragments, repeats: 1 };
+            // Slabs have many more litmus pixels; `crosscheck --litmus` runs all of them.
+            let (fragments, instances) =
+                if method.contains("+ofm") { (2, 64) } else { (3, usize::MAX) };
+            let extent = stress::Extent { fragments, repeats: 1, instances };
             let twin = twin(method);
             let found = stress(&opened.device, twin, extent).expect("a device");
             assert_eq!((found.outside, found.unexplored), (0, 0), "{found:?}");
@@ -320,7 +321,7 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
         }
         for (method, fragments) in [("kplus-array", 3), ("skb+ofm", 2)] {
             let unlocked = mutant(method, "TAKEN) == FREE", "TAKEN) < 2u");
-            let extent = stress::Extent { fragments, repeats: 1 };
+            let extent = stress::Extent { fragments, repeats: 1, instances: 64 };
             let found = stress(&opened.device, unlocked, extent).expect("a device");
             assert!(found.outside + found.relaxed > 0, "{found:?}");
         }

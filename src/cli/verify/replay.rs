@@ -9,18 +9,15 @@ use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::explore::program::controls;
+use crate::explore::replay::slabs::slabs;
 use crate::explore::replay::token::{LitmusToken, SceneToken};
 use crate::explore::replay::{Replay, replay};
 use crate::explore::sample::minimise::{minimise_litmus, minimise_scene};
 use crate::explore::sample::{SceneReplay, replay_scene};
 use crate::explore::{Limits, Token};
-use crate::fragment::Fragment;
-use crate::image::plot::Plot;
 use crate::image::{Image, png};
-use crate::inspect::slabs;
 use crate::report::text::{Align, columns};
 use crate::report::{files, json, table};
-use crate::scheme::HeldKind;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -82,23 +79,14 @@ fn litmus(
     say::result(&text)?;
     if let Some(folder) = &args.out {
         files::write_bytes(&folder.join("trace.txt"), trace(&replayed).as_bytes())?;
-        if let Some(plot) = slabs(catalogue, &token)? {
+        let subject = controls::find(catalogue, "TOKEN", &token.method)?;
+        if let Some(plot) = slabs(&subject, &token.litmus) {
             files::write_bytes(&folder.join("slabs.svg"), plot.svg().as_bytes())?;
             write_picture(folder, "slabs.png", &plot.draw())?;
         }
     }
     let shown = replayed.run.violations().next().is_some() || replayed.cycle > 0;
     Ok(if shown { Verdict::Found } else { Verdict::Clean })
-}
-
-/// The slabs of a token's first pixel, if its method merges.
-fn slabs(catalogue: &Catalogue, token: &LitmusToken) -> Result<Option<Plot>> {
-    let subject = controls::find(catalogue, "TOKEN", &token.method)?;
-    let fragments: Vec<Fragment> =
-        token.litmus.fragments(subject.contract).filter(|f| f.pixel == 0).collect();
-    let config = token.litmus.config(subject.contract);
-    let merges = subject.method.holds() == HeldKind::Records;
-    Ok(if merges { slabs::slabs(subject.method, &config, &fragments) } else { None })
 }
 
 fn write_picture(folder: &Path, name: &str, image: &Image) -> Result<()> {

@@ -3,6 +3,7 @@
 
 pub mod minimise;
 pub mod run;
+pub mod slabs;
 pub mod token;
 
 use self::run::{Event, Run, Runner, describe, label, run};

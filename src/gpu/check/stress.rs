@@ -40,11 +40,13 @@ pub struct Extent {
     pub fragments: u32,
     /// How often each instance is run, in each of three orders.
     pub repeats: u64,
+    /// About how many instances are run at most, evenly chosen.
+    pub instances: usize,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { fragments: 3, repeats: 4 }
+        Self { fragments: 3, repeats: 4, instances: usize::MAX }
     }
 }
 
@@ -109,7 +111,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let device_model = explore::Conditions { memory: MemoryModel::Sequential, warp: None };
     let limits = Limits { states: STATES, cancelled: &|| false };
     let (mut known, mut program) = (BTreeSet::new(), None);
-    for litmus in instances(&subject, &family).into_iter().filter(whole) {
+    let all: Vec<Litmus> = instances(&subject, &family).into_iter().filter(whole).collect();
+    let step = all.len().div_ceil(extent.instances.max(1)).max(1);
+    for litmus in all.into_iter().step_by(step) {
         if contract.crosses() && known.contains(&litmus.fragments) {
             continue;
         }

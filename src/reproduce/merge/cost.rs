@@ -14,6 +14,7 @@ use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::render::{Data, Exec, Options, render};
 use crate::reproduce::{Outcome, Scale, Verdict};
+use crate::resolve::sort;
 use crate::scene::Scene;
 use crate::scheme::merging::components::Stored;
 use crate::scheme::merging::slab::merge_sorted;
@@ -21,12 +22,6 @@ use crate::scheme::merging::{Blending, Merging};
 
 /// The most that merging may take of what sorting takes, in per cent.
 const NEGLIGIBLE: f64 = 15.0;
-
-/// Up to this length the k+-buffer paper uses insertion sort.
-const INSERTION: usize = 16;
-
-/// The gaps of shell sort, as `resolve::sort` has them.
-const GAPS: [usize; 9] = [1, 4, 10, 23, 57, 132, 301, 701, 1_577];
 
 /// The slabs of every pixel, as they arrive.
 fn arrivals(scene: &Scene) -> Vec<Vec<Stored>> {
@@ -44,29 +39,6 @@ fn arrivals(scene: &Scene) -> Vec<Vec<Stored>> {
     pixels
 }
 
-/// Sorts as published, and counts comparisons and moves.
-fn count_sort<T: Ord + Copy>(list: &mut [T]) -> usize {
-    let gaps: &[usize] = if list.len() <= INSERTION { &GAPS[..1] } else { &GAPS };
-    let mut count = 0;
-    for &gap in gaps.iter().rev() {
-        for i in gap..list.len() {
-            let (own, mut place) = (list[i], i);
-            while place >= gap {
-                count += 1;
-                if list[place - gap] <= own {
-                    break;
-                }
-                list[place] = list[place - gap];
-                count += 1;
-                place -= gap;
-            }
-            list[place] = own;
-            count += 1;
-        }
-    }
-    count
-}
-
 /// Sorting and merging of a whole frame.
 #[derive(Debug, Default)]
 struct Work {
@@ -82,7 +54,7 @@ fn work(scene: &Scene, repeats: u32) -> Work {
     let mut work = Work::default();
     for mut list in pixels.iter().cloned() {
         work.merging += if list.is_empty() { 0 } else { 2 * list.len() - 1 };
-        work.sorting += count_sort(&mut list);
+        sort::published(&mut list, || work.sorting += 1);
     }
     let (mut sorts, mut merges) = (Vec::new(), Vec::new());
     for _ in 0..repeats.max(1) {
@@ -190,24 +162,4 @@ pub(in crate::reproduce) fn passes_of_methods(scale: &Scale) -> Result<Outcome> 
     let columns = columns(&["scene", "edge"], &after);
     let verdict = Some(Verdict::of(&wrong));
     Ok(Outcome { columns, rows, verdict, ..Outcome::new("merge-fig12", summary) })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::num::random::Random;
-
-    #[test]
-    fn counted_sorts_sort() {
-        assert_eq!(count_sort(&mut [1, 2, 3]), 4, "two comparisons, two moves back");
-        assert_eq!(count_sort(&mut [2, 1]), 3, "one comparison, two moves");
-        let mut random = Random::new(3, 0);
-        for len in [0, 1, 15, 16, 17, 400, 3_000] {
-            let mut list: Vec<u64> = (0..len).map(|_| random.below(90)).collect();
-            let mut expected = list.clone();
-            expected.sort_unstable();
-            count_sort(&mut list);
-            assert_eq!(list, expected);
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use super::{COPLANAR, How, load, viewer};
 use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
-use crate::num::depth::Format;
+use crate::num::depth::code as depth_code;
 use crate::render::{Kept, Options, Rendering, render};
 use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
@@ -124,11 +124,10 @@ pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
 /// Whether both are the same intervals of the same opacity, up to two depth codes, and to eight bits of a product.
 fn agree(found: &[Interval], expected: &[Interval], merging: &Merging) -> bool {
     let code = |far: f64| {
-        let word = crate::num::depth::code(merging.planes.depth(far));
+        let word = depth_code(merging.planes.depth(far));
         far - merging.along(word.saturating_sub(2))
     };
     let near = |a: f64, b: f64, bound: f64| (a - b).abs() <= bound;
-    debug_assert_eq!(merging.format, Format::D32);
     found.len() == expected.len()
         && found.iter().zip(expected).all(|(f, e)| {
             near(f.near, e.near, code(e.far))

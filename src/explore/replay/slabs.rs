@@ -2,27 +2,33 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::exec::Method;
+use super::run::label;
 use crate::exec::one_pixel::OnePixel;
+use crate::explore::program::litmus::Litmus;
+use crate::explore::program::subject::Subject;
 use crate::fragment::Fragment;
 use crate::image::plot::{Curve, GAP, Plot};
 use crate::num::depth::code;
 use crate::num::orders::orders;
 use crate::scheme::merging::Merging;
-use crate::scheme::{Config, Held, Record};
+use crate::scheme::{Held, Record};
 
 /// More fragments than this are stored in the order in which they are given only.
 const MOST: usize = 6;
 
-/// Draw the slabs of pixel 0's fragments, each in a lane of its own in the order given and named by its letter; and below
-/// them, the records for every result that their orders of arrival give, with the first order that gives it. Boxes are as
-/// high as slabs are opaque. Ends lie one step apart, however far they are: what matters is which slabs overlap. `None` if the method has no invocations, or holds no merged records.
+/// Draw the slabs of the first pixel's fragments, each in a lane of its own, named by its letter; and below them, the
+/// records for every result that their orders of arrival give, with the first order that gives it. Boxes are as high as
+/// slabs are opaque. Ends lie one step apart, however far they are: what matters is which slabs overlap. `None` if the
+/// method holds no merged records.
 ///
 /// # Panics
 /// If the method's code does.
 #[must_use]
-pub fn slabs(method: Method, config: &Config, fragments: &[Fragment]) -> Option<Plot> {
-    let pixel = OnePixel::new(method, config)?;
+pub fn slabs(subject: &Subject, litmus: &Litmus) -> Option<Plot> {
+    let (method, config) = (subject.method, litmus.config(subject.contract));
+    let fragments: Vec<Fragment> =
+        litmus.fragments(subject.contract).filter(|f| f.pixel == 0).collect();
+    let pixel = OnePixel::new(method, &config)?;
     let mut results: BTreeMap<Held, Vec<usize>> = BTreeMap::new();
     let all = if fragments.len() > MOST {
         vec![(0..fragments.len()).collect()]
@@ -43,7 +49,7 @@ pub fn slabs(method: Method, config: &Config, fragments: &[Fragment]) -> Option<
     let mut lane = (fragments.len() + results.len()) as f64;
     let mut curves = Vec::new();
     for (i, fragment) in fragments.iter().enumerate() {
-        let mut curve = Curve::new(&format!("{}: slab", letter(i)));
+        let mut curve = Curve::new(&format!("{}: slab", label(i)));
         // A line of one point is not seen: it makes room for the names.
         let room = (i == 0).then_some([[0.0, lane * ROOM], GAP]);
         curve.points.extend(room.into_iter().flatten());
@@ -56,7 +62,7 @@ pub fn slabs(method: Method, config: &Config, fragments: &[Fragment]) -> Option<
     for (order, held) in &results {
         let Held::Records(records) = held else { return None };
         lane -= 1.0;
-        let arrival: Vec<String> = order.iter().map(|&i| letter(i)).collect();
+        let arrival: Vec<String> = order.iter().map(|&i| label(i).to_string()).collect();
         let mut curve = Curve::new(&format!("records, arrival {}", arrival.join(" ")));
         for record in &records.list {
             let near = nearest(&ends, record_near(record, &config.merging));
@@ -93,43 +99,34 @@ fn nearest(ends: &[u32], depth: u32) -> u32 {
     ends.iter().copied().min_by_key(|end| end.abs_diff(depth)).unwrap_or(depth)
 }
 
-/// The letter of an invocation, as traces have it.
-fn letter(i: usize) -> String {
-    char::from(b'A' + (i % 26) as u8).to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::catalogue;
-    use crate::scheme::Config;
+    use crate::explore::program::litmus::Entry;
 
-    fn fragments() -> Vec<Fragment> {
-        let slab = |near, depth, data| Fragment { pixel: 0, depth, data, extra: near };
-        vec![slab(100, 200, 0x80FF_0000), slab(150, 300, 0x8000_FF00), slab(250, 400, 0x8000_00FF)]
-    }
-
-    fn names(method: &str, k: u32) -> Vec<String> {
-        let config = OnePixel::config(3, k, Config::default());
-        let plot = slabs(catalogue::method(method).unwrap(), &config, &fragments()).unwrap();
-        plot.curves.into_iter().map(|curve| curve.name).collect()
+    fn names(method: &str, k: u32) -> Option<Vec<String>> {
+        let subject = Subject::new(catalogue::method(method).unwrap()).unwrap();
+        let slabs = [(200, 0x80FF_0000, 100), (300, 0x8000_FF00, 150), (400, 0x8000_00FF, 150)];
+        let fragments = slabs.map(|(depth, data, thick)| Entry(0, depth, data, thick)).to_vec();
+        let litmus = Litmus { k: Some(k), room: 3, fragments, ..Litmus::of_one(subject.contract) };
+        let plot = super::slabs(&subject, &litmus)?;
+        Some(plot.curves.into_iter().map(|curve| curve.name).collect())
     }
 
     /// With one record and a tail, the bridge may come too late; with room, or if all are kept, it cannot.
     #[test]
     fn every_result_is_drawn_once() {
-        let slabs = ["A: slab", "B: slab", "C: slab"];
-        let one = [&slabs[..], &["records, arrival A B C"]].concat();
-        let two = [&one[..], &["records, arrival A C B"]].concat();
-        assert_eq!(names("skb+ofm", 2), two);
-        assert_eq!(names("skb+ofm", 3), one);
-        assert_eq!(names("dfb+ofm", 2), one);
+        let slabs = ["A: slab", "B: slab", "C: slab"].map(str::to_owned);
+        let one = [&slabs[..], &["records, arrival A B C".to_owned()]].concat();
+        let two = [&one[..], &["records, arrival A C B".to_owned()]].concat();
+        assert_eq!(names("skb+ofm", 2), Some(two));
+        assert_eq!(names("skb+ofm", 3), Some(one.clone()));
+        assert_eq!(names("dfb+ofm", 2), Some(one));
     }
 
     #[test]
     fn only_records_are_drawn() {
-        let config = OnePixel::config(3, 2, Config::default());
-        let method = catalogue::method("kplus-array").unwrap();
-        assert!(slabs(method, &config, &fragments()).is_none());
+        assert_eq!(names("kplus-array", 2), None);
     }
 }
