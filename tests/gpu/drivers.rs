@@ -10,10 +10,11 @@ use fragloom::gpu::check::stress::{self, stress};
 use fragloom::gpu::driver::device::{Device, adapters};
 use fragloom::gpu::driver::failure::Failure;
 use fragloom::gpu::twin::band::{Expected, Lists, Picture};
-use fragloom::gpu::twin::program::{Program, Shape, constants};
+use fragloom::gpu::twin::program::Program;
 use fragloom::gpu::twin::raster::{Raster, Triangles};
 use fragloom::gpu::twin::resolve::Downloaded;
 use fragloom::gpu::twin::resolve::resolve;
+use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
 

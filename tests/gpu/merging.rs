@@ -3,8 +3,9 @@
 use fragloom::gpu::check::compare::compare;
 use fragloom::gpu::check::crosscheck::{self, Options, Path, Status};
 use fragloom::gpu::twin::band::Picture;
-use fragloom::gpu::twin::program::{Program, Shape, constants};
+use fragloom::gpu::twin::program::Program;
 use fragloom::gpu::twin::resolve::{Downloaded, resolve};
+use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::Twin;
 use fragloom::scene::{Scene, Thickness};
 

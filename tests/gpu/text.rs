@@ -2,7 +2,7 @@
 
 use fragloom::exec::Method;
 use fragloom::fragment::Data;
-use fragloom::gpu::twin::program::{Shape, constants};
+use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::{self, Path, Twin, twins};
 use fragloom::num::depth::Format;
 use fragloom::raster::{Grid, Record};

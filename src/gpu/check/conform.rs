@@ -14,9 +14,8 @@ use crate::explore::program::litmus::Litmus;
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
-use crate::gpu::twin::program::{
-    Bound, Dispatch, FRAGMENT, Group, Program, Shape, WRITABLE, constants, group, words_of,
-};
+use crate::gpu::twin::program::{Bound, Dispatch, Group, Program, WRITABLE, group};
+use crate::gpu::twin::shape::{FRAGMENT, Shape, constants, words_of};
 use crate::gpu::twin::source::Twin;
 use crate::memory::Inputs;
 use crate::memory::arena::{Owned, Shared};

@@ -7,9 +7,10 @@ use crate::exec::clock::Stopwatch;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Result;
 use crate::gpu::twin::band::{Band, Picture};
-use crate::gpu::twin::program::{Program, Shape, constants};
+use crate::gpu::twin::program::Program;
 use crate::gpu::twin::raster::{self, Raster, Triangles};
 use crate::gpu::twin::resolve::Resolve;
+use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::Twin;
 
 /// A scene on a device, ready to be drawn repeatedly. It must fit the device as a whole.

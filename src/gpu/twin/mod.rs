@@ -1,4 +1,4 @@
-//! Twins: the WGSL text of a method, the program of its passes, scenes cut to fit a device, fragments from the device's
+//! Twins: the WGSL text of a method, its shape on a device, the program of its passes, scenes cut to fit a device, fragments from the device's
 //! rasterizer, and lists, resolved.
 
 pub mod band;
@@ -6,4 +6,5 @@ pub mod merged;
 pub mod program;
 pub mod raster;
 pub mod resolve;
+pub mod shape;
 pub mod source;

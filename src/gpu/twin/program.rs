@@ -5,19 +5,13 @@ use std::collections::BTreeMap;
 
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
+use super::shape::{FRAGMENT, SPARE, Shape, Words, words_of};
 use super::source::{Constants, Path, Twin};
-use crate::error;
-use crate::exec::Method;
-use crate::fragment::{Data, Fragment};
+use crate::fragment::Fragment;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
-use crate::memory::{Inputs, Layout};
-use crate::num::depth::Format;
-use crate::raster::Record;
-use crate::scheme::Config;
-use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::contract::Keeps;
 use crate::scheme::course::{Course, Part};
-use crate::scheme::culling::occupancy::MOST_WORDS;
 use crate::scheme::merging::sums::logarithms;
 use crate::scheme::program::PassKind;
 
@@ -31,138 +25,11 @@ pub const CHUNK: usize = 1 << 20;
 /// How often an invocation that gives up waiting is run.
 const PATIENCE: u32 = 1_000;
 
-/// Bytes of a fragment.
-pub(in crate::gpu) const FRAGMENT: u64 = size_of::<Words>() as u64;
-
-/// A fragment as `shared/fragment.wgsl` has it: pixel, depth, data, the third word, and room for the outcome.
-pub type Words = [u32; 5];
-
 /// The outcome of an invocation that gave up (`shared/fragment.wgsl`).
 const STUCK: u32 = 7;
 
-/// Extra room at the end of every buffer of words: a struct in WGSL ends with an array of at least one element.
-const SPARE: u64 = 64;
-
 /// The binding of the first group that has the words of all inputs, one after another.
 const INPUTS: u32 = 5;
-
-/// What a method's type determines: its words, and how many invocations its passes over the frame have.
-#[derive(Clone, Debug)]
-pub struct Shape {
-    /// Its contract.
-    pub contract: &'static Contract,
-    /// Its configuration.
-    pub config: Config,
-    /// Its words.
-    pub layout: Layout,
-    /// By pass of the program.
-    pub invocations: Vec<u32>,
-    /// The words of its inputs; their defaults, unless they are filled.
-    pub inputs: Inputs,
-}
-
-impl Shape {
-    /// The shape of a method with a configuration.
-    ///
-    /// # Errors
-    /// The method is the oracle, which has no passes.
-    pub fn new(method: Method, config: Config) -> error::Result<Self> {
-        let contract = method.contract();
-        let instance = method.instance(&config).ok_or_else(|| {
-            error::Error::new("-m", format!("{method} is sequential: it has no passes"))
-        })?;
-        let passes = 0..contract.program.passes.len();
-        let invocations = passes.map(|pass| instance.invocations(pass)).collect();
-        let layout = instance.layout().clone();
-        let inputs = Inputs::defaults(&layout);
-        Ok(Self { contract, config, layout, invocations, inputs })
-    }
-
-    /// The words of all inputs, one after another.
-    fn input_words(&self) -> Vec<u32> {
-        self.inputs.tables(&self.layout, self.config.pixels).concat()
-    }
-
-    /// Bytes of a binding of the first group: 32 and 64-bit words of pixels, then of the frame.
-    #[must_use]
-    pub fn bytes(&self, binding: u32) -> u64 {
-        let (pixel, frame) = (self.layout.per_pixel(), self.layout.per_frame());
-        let pixels = u64::from(self.config.pixels);
-        match binding {
-            0 => 4 * pixel.words32 * pixels,
-            1 => 8 * pixel.words64 * pixels,
-            2 => 4 * frame.words32,
-            _ => 8 * frame.words64,
-        }
-    }
-
-    /// Whether a device has room for every buffer of words.
-    ///
-    /// # Errors
-    /// The first that is too large.
-    pub fn fits(&self, device: &Device) -> Result<()> {
-        for binding in 0..4 {
-            let (bytes, most) = (self.bytes(binding) + SPARE, device.largest());
-            if bytes > most {
-                let name = self.contract.name;
-                let problem = format!("{name} needs a buffer of {bytes} bytes, at most {most}");
-                return Err(Failure::TooLarge(problem));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The constants before a twin.
-#[must_use]
-pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constants {
-    let config = &shape.config;
-    let (grid, table) = (config.grid, config.table);
-    let pixels = u64::from(config.pixels);
-    let blocks = pixels.div_ceil(64).max(1);
-    let slots = config.k.unwrap_or(config.max_depth_complexity);
-    let [red, green, blue] = background.map(u64::from);
-    let (mut constants, mut first) = (Constants::default(), 0);
-    let tables = shape.inputs.tables(&shape.layout, config.pixels);
-    for (input, words) in shape.layout.inputs().iter().zip(tables) {
-        let name = input.name.to_uppercase().replace(|c: char| !c.is_alphanumeric(), "_");
-        constants = constants.with(&format!("INPUT_{name}"), first);
-        first += words.len() as u64;
-    }
-    constants
-        .with("PIXELS", pixels)
-        .with("WIDTH", grid.width.into())
-        .with("HEIGHT", grid.height.into())
-        .with("TILE", grid.tile.into())
-        .with("COLUMNS", if grid.tile == 0 { 1 } else { grid.columns().into() })
-        .with("K", config.k.unwrap_or(8).into())
-        .with_room("SLOTS", slots.into())
-        .with_room("GENERATED", config.generated)
-        .with_room("BOUNDED", config.bounded)
-        .with_room("PAGES", config.pages)
-        .with_room("RECORDS", config.records)
-        .with("ALPHA", config.weighting.alpha.into())
-        .with("LAYERS", config.weighting.limit.into())
-        .with("MASK_WORDS", config.mask_words.clamp(1, MOST_WORDS).into())
-        .with("BLOCKS", blocks)
-        .with("GROUPS", blocks.div_ceil(64))
-        .with("TABLE_WIDTH", table.size[0].max(1).into())
-        .with("TABLE_HEIGHT", table.size[1].max(1).into())
-        .with("CELLS", table.cells().max(1))
-        .with("AGES", table.ages.into())
-        .with("DATA_IS_TRIANGLE", (record.data == Data::Primitive).into())
-        .with("HOLDS_RECORDS", (shape.contract.keeps == Keeps::Merged).into())
-        .with("DEPTH_SHIFT", if record.depth == Format::D24 { 8 } else { 0 })
-        .with("BACKGROUND_R", red)
-        .with("BACKGROUND_G", green)
-        .with("BACKGROUND_B", blue)
-}
-
-/// A fragment's words.
-#[must_use]
-pub fn words_of(fragment: &Fragment) -> Words {
-    [fragment.pixel, fragment.depth, fragment.data, fragment.extra, 0]
-}
 
 /// A group of bindings, whose layout is known.
 #[derive(Debug)]

@@ -11,7 +11,8 @@ use std::ops::Range;
 use wgpu::BufferUsages;
 
 use super::band::Band;
-use super::program::{Bound, FRAGMENT, Group, Program, WRITABLE, group};
+use super::program::{Bound, Group, Program, WRITABLE, group};
+use super::shape::FRAGMENT;
 use super::source::Path;
 use crate::fragment::Fragment;
 use crate::gpu::driver::device::Device;
