@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use crate::num::ray::Ray;
+
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
 pub type Keys = Vec<u64>;
 
@@ -88,6 +90,18 @@ impl Record {
         let [r, g, b, a] = self.rgba;
         let straight = |c: f64| if a > 0.0 { byte(c / a) } else { 0 };
         u32::from_le_bytes([straight(r), straight(g), straight(b), byte(a)])
+    }
+}
+
+/// All light of a ray.
+const ALL: f64 = 65_535.0;
+
+impl Ray {
+    /// The colour and transmittance so far.
+    #[must_use]
+    pub fn light(&self) -> Light {
+        let color = self.color.map(|c| f64::from(c) / ALL);
+        Light { color, transmittance: f64::from(self.transmittance) / ALL, kept: 0 }
     }
 }
 

@@ -58,7 +58,7 @@ pub(in crate::cli) struct Args {
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
-    let methods = methods(catalogue, args)?;
+    let methods = args.drawing.approximation.with_tail(methods(catalogue, args)?)?;
     let reference = catalogue.find("--reference", &args.reference)?;
     let mut settings = complete(&args.drawing, reference, false)?;
     settings.options.counters = false;

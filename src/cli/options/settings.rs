@@ -57,6 +57,7 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         importance: typed.importance.complete()?,
         thickness: typed.thickness.as_deref().map_or(Ok(Thickness::default()), thickness)?,
         beta: typed.beta,
+        approximation: typed.approximation.complete(),
         table: table(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,

@@ -4,11 +4,11 @@ use super::quality::HUNDREDFOLD;
 use super::{DFB, How, Measured, SHEETS, SKB, columns, load, viewer};
 use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
+use crate::num::planes::Distances;
 use crate::render::{Kept, Rendering};
 use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::scheme::Record;
-use crate::scheme::merging::Merging;
 
 /// Layers farther apart than this are of different groups: sheets are 0.2 apart, and their discs at most 0.04.
 const GROUP: f64 = 0.1;
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-5;
 const PRINTED: [u32; 2] = [52, 10];
 
 /// Distances and absorbances behind them, of the middle pixel.
-fn absorbances(drawn: &Rendering, merging: &Merging) -> Vec<[f64; 2]> {
+fn absorbances(drawn: &Rendering, distances: &Distances) -> Vec<[f64; 2]> {
     let middle = |width: u32, height: u32| (width / 2, height / 2);
     let steps: Vec<(u32, f64)> = match &drawn.kept {
         Kept::Fragments(lists) => {
@@ -37,7 +37,7 @@ fn absorbances(drawn: &Rendering, merging: &Merging) -> Vec<[f64; 2]> {
     let mut through = 1.0;
     let step = |(depth, opacity): (u32, f64)| {
         through *= 1.0 - opacity;
-        [merging.along(depth), 1.0 - through]
+        [distances.along(depth), 1.0 - through]
     };
     steps.into_iter().map(step).collect()
 }
@@ -70,7 +70,7 @@ fn staircase(name: &str, steps: &[[f64; 2]], [from, to]: [f64; 2]) -> Curve {
 /// Figure 13.
 pub(in crate::reproduce) fn staircases(scale: &Scale) -> Result<Outcome> {
     let scene = viewer(load(SHEETS, scale.edge)?);
-    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let distances = Distances { planes: scene.camera.planes(), ..Distances::default() };
     let hows =
         [DFB, SKB, How::merging("skb+ofm", HUNDREDFOLD), How::merging("dfb+sfm", HUNDREDFOLD)];
     let mut all = Vec::new();
@@ -78,7 +78,7 @@ pub(in crate::reproduce) fn staircases(scale: &Scale) -> Result<Outcome> {
         all.push(how.measure(&scene, scale)?);
     }
     let steps: Vec<Vec<[f64; 2]>> =
-        all.iter().map(|m: &Measured| absorbances(&m.drawn, &merging)).collect();
+        all.iter().map(|m: &Measured| absorbances(&m.drawn, &distances)).collect();
     let exact = &steps[0];
     let ends = groups(exact);
     let range = [exact.first(), exact.last()].map(|step| step.map_or(0.0, |step| step[0]));

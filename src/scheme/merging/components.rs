@@ -5,8 +5,9 @@
 //! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
 //! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
 
+use super::sums;
 use super::sums::{Logarithms, Mix, Sums};
-use super::{Merging, sums};
+use crate::num::planes::Distances;
 use crate::scheme::{Record, Records};
 
 /// A fragment's slab as it is stored.
@@ -54,9 +55,10 @@ impl Merged {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "once for every record")]
     #[must_use]
-    pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
+    pub fn record<M: Mix>(&self, distances: &Distances) -> Record {
         let Self { near, depth, sums } = *self;
-        let thickness = if near < depth { merging.along(depth) - merging.along(near) } else { 0.0 };
+        let thickness =
+            if near < depth { distances.along(depth) - distances.along(near) } else { 0.0 };
         Record { depth, thickness, rgba: M::rgba(sums), weight: sums::weight(sums).into() }
     }
 }
@@ -108,16 +110,16 @@ pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
 
 /// Records as they leave a method, with the fragments merged into others.
 #[must_use]
-pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
+pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
     let mut records = Records::default();
-    all.iter().for_each(|merged| add::<M>(&mut records, merged, merging));
+    all.iter().for_each(|merged| add::<M>(&mut records, merged, distances));
     records
 }
 
 /// Add a record as it leaves a method, and count the fragments merged into it.
 #[inline]
-pub fn add<M: Mix>(records: &mut Records, merged: &Merged, merging: &Merging) {
-    records.list.push(merged.record::<M>(merging));
+pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
+    records.list.push(merged.record::<M>(distances));
     records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 

@@ -13,9 +13,10 @@ use std::marker::PhantomData;
 use super::components::{Stored, components, records, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
-use super::{Blending, Merging, merging};
+use super::{Blending, merging};
 use crate::fragment::{Fragment, data_of, depth_of};
 use crate::memory::{Global, Inputs, Layout, Memory, Plain, Words};
+use crate::num::planes::Distances;
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
 use crate::scheme::parts::ranges;
@@ -138,7 +139,7 @@ pub(super) fn stored(generated: &[Fragment]) -> Vec<Stored> {
 #[derive(Debug)]
 pub struct Overlapping {
     k: u32,
-    merging: Merging,
+    distances: Distances,
     logarithms: Box<Logarithms>,
 }
 
@@ -153,13 +154,13 @@ impl Merge for Overlapping {
     };
 
     fn new(config: &Config) -> Self {
-        Self { k: config.k.unwrap_or(8), merging: config.merging, logarithms: logarithms() }
+        Self { k: config.k.unwrap_or(8), distances: config.distances, logarithms: logarithms() }
     }
 
     fn merge(&self, slabs: &[Stored]) -> Records {
         let all = components::<Integers>(slabs, &self.logarithms);
         let all = with_tail::<Integers>(all, self.k);
-        records::<Integers>(&all, &self.merging)
+        records::<Integers>(&all, &self.distances)
     }
 }
 
@@ -176,7 +177,7 @@ pub trait Smoothing: Send + Sync + Sized + 'static {
 #[derive(Debug)]
 pub struct Smooth<S = Correct> {
     most: usize,
-    merging: Merging,
+    distances: Distances,
     blending: Blending,
     form: PhantomData<S>,
 }
@@ -187,7 +188,7 @@ impl<S: Smoothing> Merge for Smooth<S> {
     fn new(config: &Config) -> Self {
         let blending = Blending { beta: config.merging.beta, ..S::BLENDING };
         let most = config.k.unwrap_or(8) as usize;
-        Self { most, merging: config.merging, blending, form: PhantomData }
+        Self { most, distances: config.distances, blending, form: PhantomData }
     }
 
     fn merge(&self, slabs: &[Stored]) -> Records {
@@ -205,7 +206,7 @@ impl<S: Smoothing> Merge for Smooth<S> {
 impl<S> Smooth<S> {
     fn merge_by(&self, blending: &Blending, slabs: &[Stored]) -> Records {
         let mut out: Vec<Slab> = Vec::new();
-        let sorted = slabs.iter().map(|s| self.merging.slab(s.depth, s.near, s.data));
+        let sorted = slabs.iter().map(|s| Slab::of(&self.distances, s.depth, s.near, s.data));
         merge_sorted(sorted, self.most, blending, &mut out);
         let merged = (slabs.len() - out.len()) as u32;
         Records { list: out.iter().map(Record::from).collect(), merged }
