@@ -297,7 +297,7 @@ fn mbt_of_one_and_two_layers() {
             let config = config(2, 1, with_moments(m));
             let one = seen(light("mbt", &config, &two[..1]));
             let exact = over(&two[..1]);
-            let opaque = if two[0].data >> 24 == 255 { 5e-5 } else { 1e-11 };
+            let opaque = if two[0].data >> 24 == 255 { 5e-5 } else { 1e-9 };
             assert!(apart(one, exact) < opaque, "{m} {one:?} {exact:?}");
             if (place(&two[0]) - place(&two[1])).abs() < 0.1 {
                 continue;
@@ -333,7 +333,7 @@ fn single_precision_gives_what_is_no_number() {
     };
     let [single, double] = [nan("mbt@published-f32"), nan("mbt")];
     println!("of {} pixels, {single} are no number in f32, {double} in f64", pixels.len());
-    assert!(double == 0 && (200..1_400).contains(&single), "{single} {double}");
+    assert!(double == 0 && (400..900).contains(&single), "{single} {double}");
 }
 
 #[test]
@@ -747,10 +747,12 @@ fn very_many_layers() {
             } else if few {
                 0.0
             } else {
-                0.999
+                0.998
             };
+            // Products of 16 bits stop where a layer's share of them is less than half a unit.
+            let dim = if what == "faint" { 128.0 / 65_535.0 } else { 1e-4 };
             let white = (0..3).all(|i| (least..=1.0).contains(&found[i]));
-            assert!(white && found[3] < 1e-4, "{name} {what} {found:?}");
+            assert!(white && found[3] < dim, "{name} {what} {found:?}");
         }
     }
 }

@@ -290,6 +290,7 @@ pub const CLAIMS: &[Claim] = &[
                 "mbt@published-f32",
                 "mlab",
                 "adaptive",
+                "kplus-array+tail",
             ],
         )
     },

@@ -6,7 +6,7 @@
 //! Algorithm 1 in f64, with its slabs made from depth words.
 
 use super::quality::{HUNDREDFOLD, SETTINGS};
-use super::{DFB, How, Measured, SKB, columns, median, percent};
+use super::{DFB, How, MBT, Measured, SKB, columns, median, percent};
 use crate::error::Result;
 use crate::exec::clock::Stopwatch;
 use crate::num::depth::Format;
@@ -101,7 +101,7 @@ fn passes(how: &How, scene: &Scene, repeats: u32) -> Result<[f64; 3]> {
 /// Figure 12.
 pub(in crate::reproduce) fn passes_of_methods(scale: &Scale) -> Result<Outcome> {
     let smooth = How::merging("dfb+sfm", HUNDREDFOLD);
-    let hows = [DFB, smooth, SKB, How::merging("skb+ofm", HUNDREDFOLD)];
+    let hows = [DFB, smooth, SKB, How::merging("skb+ofm", HUNDREDFOLD), MBT];
     let (mut rows, mut many, mut slow) = (Vec::new(), Vec::new(), Vec::new());
     for setting in &SETTINGS {
         for edge in [4, 2].map(|part| (scale.edge / part).max(16)) {

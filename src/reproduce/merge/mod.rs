@@ -5,7 +5,7 @@
 //! a P(z) of a millionth of its size; an interactive viewer's planes enclose much more. So where the paper gives
 //! multiples, scenes are seen with a [`viewer`]'s planes.
 //!
-//! Its other method, moment-based transmittance, is not here yet: what the paper shows of it is left out.
+//! Its other method is moment-based transparency, `mbt` with 4 moments.
 
 pub(super) mod absorbance;
 pub(super) mod comparison;
@@ -97,6 +97,9 @@ const DFB: How = How {
 };
 /// The static k+-buffer, with the paper's k.
 const SKB: How = How { method: "kplus-array", k: Some(8), ..DFB };
+
+/// Moment-based transparency, which keeps no fragments.
+const MBT: How = How { method: "mbt", ..DFB };
 
 impl How {
     /// A method that merges, with the paper's M.
@@ -195,7 +198,10 @@ impl Measured {
         let psnr = similarity::psnr(like, self.image())?;
         Ok(vec![
             how.method.to_owned(),
-            how.k.map_or_else(|| "all".to_owned(), |k| k.to_string()),
+            how.k.map_or_else(
+                || if how.method == DFB.method { "all".to_owned() } else { none() },
+                |k| k.to_string(),
+            ),
             if merging { how.thickness.to_string() } else { none() },
             if how.method.contains("+sfm") { how.beta.to_string() } else { none() },
             report.generated.to_string(),

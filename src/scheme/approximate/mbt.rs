@@ -73,7 +73,10 @@ impl Scale {
 
     /// From -1 at the near plane to 1 at the far plane.
     fn at(&self, depth: u32) -> f64 {
-        let along = self.distances.along(depth);
+        self.of_distance(self.distances.along(depth))
+    }
+
+    fn of_distance(&self, along: f64) -> f64 {
         let place = if self.distances.planes.parallel { along } else { libm::log(along) };
         ((place - self.first) / self.length * 2.0 - 1.0).clamp(-1.0, 1.0)
     }
@@ -85,6 +88,34 @@ fn absorbance(fragment: Fragment) -> f64 {
         255 => OPAQUE,
         alpha => -libm::log(f64::from(255 - alpha) / 255.0),
     }
+}
+
+/// What is absorbed in front of each distance, 0 to 1, as `mbt` reconstructs it from all fragments of a pixel, in any
+/// order.
+#[must_use]
+pub fn absorbed(
+    fragments: &[Fragment],
+    distances: Distances,
+    moments: u32,
+    along: &[f64],
+) -> Vec<f64> {
+    let scale = Scale::new(distances);
+    let mut sums = [0.0; MOST + 1];
+    for fragment in fragments {
+        let (u, mut power) = (scale.at(fragment.depth), absorbance(*fragment));
+        for sum in &mut sums[..=moments as usize] {
+            *sum += power;
+            power *= u;
+        }
+    }
+    let whole = sums[0];
+    let normalised = std::array::from_fn(|i| sums[i + 1] / whole);
+    let at = |&along: &f64| {
+        let u = scale.of_distance(along);
+        let log = log_transmittance(whole, &normalised, moments, u, Guard::Clamped);
+        if whole > 0.0 { 1.0 - libm::exp(log) } else { 0.0 }
+    };
+    along.iter().map(at).collect()
 }
 
 impl Mbt {

@@ -116,9 +116,12 @@ pub fn log_transmittance<R: Real>(
 /// The share of all absorbance that counts in front of `u`.
 fn share<R: Real, const H: usize>(b: &[R; MOST + 1], u: R, guard: Guard) -> R {
     let zero = R::of(0.0);
-    let c = solve::<R, H>(b, u);
     let mut nodes = [u; 5];
-    nodes[1..=H].copy_from_slice(&roots::<R>(&c, H, guard)[..H]);
+    let found = match (guard, H) {
+        (Guard::Published, 2) => published(b, u),
+        _ => roots::<R>(&solve::<R, H>(b, u), H, guard),
+    };
+    nodes[1..=H].copy_from_slice(&found[..H]);
     let mut values = [R::of(OVERESTIMATION); 5];
     for i in 1..=H {
         values[i] = if nodes[i] < u { R::of(1.0) } else { zero };
@@ -142,6 +145,28 @@ fn share<R: Real, const H: usize>(b: &[R; MOST + 1], u: R, guard: Guard) -> R {
         p[0] = values[i] - nodes[i] * p[0];
     }
     (0..=H).fold(zero, |sum, j| sum + p[j] * b[j])
+}
+
+/// The nodes of four moments, operation by operation as published (algorithm 2). On one layer the leading coefficient
+/// is 0 up to rounding, and where it is 0 the roots are no numbers.
+fn published<R: Real>(b: &[R; MOST + 1], u: R) -> Row<R> {
+    let [_, b1, b2, b3, b4, ..] = *b;
+    let l = b3 - b1 * b2;
+    let d1 = b2 - b1 * b1;
+    let ratio = l / d1;
+    let d2 = (b4 - b2 * b2) - l * ratio;
+    let (mut c0, mut c1, mut c2) = (R::of(1.0), u, u * u);
+    c1 = c1 - b1;
+    c2 = c2 - (b2 + ratio * c1);
+    c1 = c1 / d1;
+    c2 = c2 / d2;
+    c1 = c1 - ratio * c2;
+    c0 = c0 - (b1 * c1 + b2 * c2);
+    let (p, q) = (c1 / c2, c0 / c2);
+    let half = p * R::of(0.5);
+    let root = (half * half - q).root();
+    let zero = R::of(0.0);
+    [-half - root, root - half, zero, zero, zero]
 }
 
 /// H c = (1, u, .., u^h), by L D Lᵀ.
