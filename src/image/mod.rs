@@ -3,7 +3,9 @@
 
 mod canvas;
 pub mod difference;
+pub mod flip;
 pub mod heat;
+pub mod metrics;
 pub mod plot;
 pub mod png;
 pub mod ramp;

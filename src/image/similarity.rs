@@ -1,12 +1,13 @@
-//! How much alike two images of one size look, as numbers in common use: PSNR and SSIM.
+//! How much alike two images of one size look, as numbers in common use: PSNR and SSIM ([`super::flip`] is another).
 //!
-//! Both are of the sRGB bytes, without opacity, in f64 and in the written order: the same bits everywhere.
+//! Opacity does not count. All is f64 in the written order: the same bits everywhere.
 
 use rayon::prelude::*;
 
 use super::Image;
 use crate::error::Result;
 use crate::image::difference::same_size;
+use crate::num::color::linear_of;
 
 /// Pixels on either side of a window's middle.
 const REACH: usize = 5;
@@ -17,7 +18,7 @@ const SIGMA: f64 = 1.5;
 /// (K1 L)² and (K2 L)², which keep quotients of flat windows finite.
 const STABLE: [f64; 2] = [(0.01 * 255.0) * (0.01 * 255.0), (0.03 * 255.0) * (0.03 * 255.0)];
 
-/// The peak signal-to-noise ratio over R, G and B, in decibels: 10 log10(255² / mean squared difference). `None` if the
+/// The peak signal-to-noise ratio over R, G and B as sRGB bytes, in decibels: 10 log10(255² / mean squared difference). `None` if the
 /// images are equal.
 ///
 /// # Errors
@@ -32,9 +33,28 @@ pub fn psnr(a: &Image, b: &Image) -> Result<Option<f64>> {
     Ok((sum > 0).then(|| 10.0 * libm::log10(255.0 * 255.0 / mean)))
 }
 
+/// The same over linear R, G and B, as parts of white: 10 log10(1 / mean squared difference). Differences in the dark
+/// count less than with bytes. `None` if the images are equal.
+///
+/// # Errors
+/// Images of different sizes.
+pub fn psnr_linear(a: &Image, b: &Image) -> Result<Option<f64>> {
+    same_size(a, b)?;
+    let mut sum = 0.0;
+    for (p, q) in a.pixels.iter().zip(&b.pixels) {
+        for c in 0..3 {
+            let apart = linear_of(p[c]) - linear_of(q[c]);
+            sum += apart * apart;
+        }
+    }
+    let mean = sum / (3 * a.pixels.len().max(1)) as f64;
+    Ok((sum > 0.0).then(|| 10.0 * libm::log10(1.0 / mean)))
+}
+
 /// The mean structural similarity of luma, at most 1, which is equal (Wang, Bovik, Sheikh, Simoncelli 2004: a Gaussian
-/// window of 11 x 11 pixels and sigma 1.5, K1 = 0.01, K2 = 0.03). At the image's edges, windows are cut and their
-/// weights made up to 1. Luma is 0.299 R + 0.587 G + 0.114 B.
+/// window of 11 x 11 pixels and sigma 1.5, K1 = 0.01, K2 = 0.03), over the windows that lie within the picture. Where
+/// none does, since an edge is shorter than 11 pixels, windows are cut at both ends of it and their weights made up to 1.
+/// Luma is 0.299 R + 0.587 G + 0.114 B, of sRGB bytes.
 ///
 /// # Errors
 /// Images of different sizes.
@@ -57,15 +77,19 @@ pub fn ssim(a: &Image, b: &Image) -> Result<f64> {
     let blur = |values: &[f64]| blurred(values, size);
     let (mean_x, mean_y) = (blur(&x), blur(&y));
     let (xx, yy, xy) = (blur(&product(&x, &x)), blur(&product(&y, &y)), blur(&product(&x, &y)));
+    // The middles of windows.
+    let whole = |edge: usize| if edge > 2 * REACH { REACH..edge - REACH } else { 0..edge };
+    let [columns, rows] = size.map(whole);
+    let count = columns.len() * rows.len();
     let mut sum = 0.0;
-    for i in 0..x.len() {
+    for i in rows.flat_map(|y| columns.clone().map(move |x| y * size[0] + x)) {
         let (mx, my) = (mean_x[i], mean_y[i]);
         let (vx, vy, cov) = (xx[i] - mx * mx, yy[i] - my * my, xy[i] - mx * my);
         let light = (2.0 * mx * my + STABLE[0]) / ((mx * mx + my * my) + STABLE[0]);
         let structure = (2.0 * cov + STABLE[1]) / ((vx + vy) + STABLE[1]);
         sum += light * structure;
     }
-    Ok(sum / x.len() as f64)
+    Ok(sum / count as f64)
 }
 
 /// The weighted mean around every pixel: rows first, then columns.

@@ -3,5 +3,7 @@
 pub(super) mod effects;
 pub(super) mod flags;
 pub(super) mod importance;
+pub(super) mod measures;
 pub(super) mod settings;
+pub(super) mod sweep;
 pub(super) mod values;
