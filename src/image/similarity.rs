@@ -9,14 +9,25 @@ use crate::error::Result;
 use crate::image::difference::same_size;
 use crate::num::color::linear_of;
 
-/// Pixels on either side of a window's middle.
-const REACH: usize = 5;
+/// What the paper on SSIM fixes.
+#[derive(Clone, Copy)]
+struct Window {
+    /// Pixels on either side of its middle.
+    reach: usize,
+    /// The width of its Gaussian, in pixels.
+    sigma: f64,
+    /// (K1 L)² and (K2 L)², which keep quotients of flat windows finite.
+    stable: [f64; 2],
+    /// Shares of R, G and B.
+    luma: [f64; 3],
+}
 
-/// The width of its Gaussian, in pixels.
-const SIGMA: f64 = 1.5;
-
-/// (K1 L)² and (K2 L)², which keep quotients of flat windows finite.
-const STABLE: [f64; 2] = [(0.01 * 255.0) * (0.01 * 255.0), (0.03 * 255.0) * (0.03 * 255.0)];
+const WANG: Window = Window {
+    reach: 5,
+    sigma: 1.5,
+    stable: [(0.01 * 255.0) * (0.01 * 255.0), (0.03 * 255.0) * (0.03 * 255.0)],
+    luma: [0.299, 0.587, 0.114],
+};
 
 /// The peak signal-to-noise ratio over R, G and B as sRGB bytes, in decibels: 10 log10(255² / mean squared difference). `None` if the
 /// images are equal.
@@ -60,62 +71,69 @@ pub fn psnr_linear(a: &Image, b: &Image) -> Result<Option<f64>> {
 /// Images of different sizes.
 pub fn ssim(a: &Image, b: &Image) -> Result<f64> {
     same_size(a, b)?;
-    if a.pixels.is_empty() {
-        return Ok(1.0);
-    }
+    Ok(if a.pixels.is_empty() { 1.0 } else { ssim_by(WANG, a, b) })
+}
+
+fn ssim_by(window: Window, a: &Image, b: &Image) -> f64 {
+    let Window { reach, stable, luma: [red, green, blue], .. } = window;
     let size = [a.width as usize, a.height as usize];
     let luma = |image: &Image| -> Vec<f64> {
         let of = |p: &[u8; 4]| {
             let [r, g, b, _] = p.map(f64::from);
-            (0.299 * r + 0.587 * g) + 0.114 * b
+            (red * r + green * g) + blue * b
         };
         image.pixels.iter().map(of).collect()
     };
     let (x, y) = (luma(a), luma(b));
     let product =
         |x: &[f64], y: &[f64]| -> Vec<f64> { x.iter().zip(y).map(|(x, y)| x * y).collect() };
-    let blur = |values: &[f64]| blurred(values, size);
+    let blur = |values: &[f64]| window.blurred(values, size);
     let (mean_x, mean_y) = (blur(&x), blur(&y));
     let (xx, yy, xy) = (blur(&product(&x, &x)), blur(&product(&y, &y)), blur(&product(&x, &y)));
     // The middles of windows.
-    let whole = |edge: usize| if edge > 2 * REACH { REACH..edge - REACH } else { 0..edge };
+    let whole = |edge: usize| if edge > 2 * reach { reach..edge - reach } else { 0..edge };
     let [columns, rows] = size.map(whole);
     let count = columns.len() * rows.len();
     let mut sum = 0.0;
     for i in rows.flat_map(|y| columns.clone().map(move |x| y * size[0] + x)) {
         let (mx, my) = (mean_x[i], mean_y[i]);
         let (vx, vy, cov) = (xx[i] - mx * mx, yy[i] - my * my, xy[i] - mx * my);
-        let light = (2.0 * mx * my + STABLE[0]) / ((mx * mx + my * my) + STABLE[0]);
-        let structure = (2.0 * cov + STABLE[1]) / ((vx + vy) + STABLE[1]);
+        let light = (2.0 * mx * my + stable[0]) / ((mx * mx + my * my) + stable[0]);
+        let structure = (2.0 * cov + stable[1]) / ((vx + vy) + stable[1]);
         sum += light * structure;
     }
-    Ok(sum / count as f64)
+    sum / count as f64
 }
 
-/// The weighted mean around every pixel: rows first, then columns.
-fn blurred(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
-    let weights: [f64; REACH + 1] = std::array::from_fn(|distance| {
-        let d = distance as f64;
-        libm::exp(-(d * d) / (2.0 * SIGMA * SIGMA))
-    });
-    let along = |values: &[f64], edge: usize, at: &dyn Fn(usize, usize) -> usize, line: usize| {
-        let mean = |place: usize| {
-            let (mut sum, mut whole) = (0.0, 0.0);
-            for other in place.saturating_sub(REACH)..(place + REACH + 1).min(edge) {
-                let weight = weights[place.abs_diff(other)];
-                sum += weight * values[at(line, other)];
-                whole += weight;
-            }
-            sum / whole
+impl Window {
+    /// The weighted mean around every pixel: rows first, then columns.
+    fn blurred(&self, values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
+        let Self { reach, sigma, .. } = *self;
+        let weight = |distance: usize| {
+            let d = distance as f64;
+            libm::exp(-(d * d) / (2.0 * sigma * sigma))
         };
-        (0..edge).map(mean).collect::<Vec<f64>>()
-    };
-    let row = |y| along(values, width, &|line, place| line * width + place, y);
-    let rows: Vec<Vec<f64>> = (0..height).into_par_iter().map(row).collect();
-    let rows = rows.concat();
-    let column = |x| along(&rows, height, &|line, place| place * width + line, x);
-    let columns: Vec<Vec<f64>> = (0..width).into_par_iter().map(column).collect();
-    (0..width * height).map(|i| columns[i % width][i / width]).collect()
+        let weights: Vec<f64> = (0..=reach).map(weight).collect();
+        let along =
+            |values: &[f64], edge: usize, at: &dyn Fn(usize, usize) -> usize, line: usize| {
+                let mean = |place: usize| {
+                    let (mut sum, mut whole) = (0.0, 0.0);
+                    for other in place.saturating_sub(reach)..(place + reach + 1).min(edge) {
+                        let weight = weights[place.abs_diff(other)];
+                        sum += weight * values[at(line, other)];
+                        whole += weight;
+                    }
+                    sum / whole
+                };
+                (0..edge).map(mean).collect::<Vec<f64>>()
+            };
+        let row = |y| along(values, width, &|line, place| line * width + place, y);
+        let rows: Vec<Vec<f64>> = (0..height).into_par_iter().map(row).collect();
+        let rows = rows.concat();
+        let column = |x| along(&rows, height, &|line, place| place * width + line, x);
+        let columns: Vec<Vec<f64>> = (0..width).into_par_iter().map(column).collect();
+        (0..width * height).map(|i| columns[i % width][i / width]).collect()
+    }
 }
 
 #[cfg(test)]
@@ -146,8 +164,8 @@ mod tests {
     #[test]
     fn flat_images_have_a_closed_form() {
         let (a, b) = (Image::filled(30, 14, [100; 4]), Image::filled(30, 14, [110; 4]));
-        let expected =
-            (2.0 * 100.0 * 110.0 + STABLE[0]) / (100.0 * 100.0 + 110.0 * 110.0 + STABLE[0]);
+        let expected = (2.0 * 100.0 * 110.0 + WANG.stable[0])
+            / (100.0 * 100.0 + 110.0 * 110.0 + WANG.stable[0]);
         assert!((ssim(&a, &b).unwrap() - expected).abs() < 1e-9);
     }
 

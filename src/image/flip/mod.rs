@@ -11,8 +11,13 @@
 //! Distances are of the paper's viewer. Everything is f64 in the written order: the same bits everywhere. Opacity does not
 //! count. Beyond the picture's edge, its outermost pixels go on.
 
+mod color;
+mod plane;
+
 use rayon::prelude::*;
 
+use self::color::{hunt, hyab, lab, opponent, rgb, xyz};
+use self::plane::{Plane, kernel, unit};
 use super::Image;
 use crate::error::Result;
 use crate::image::difference::same_size;
@@ -21,22 +26,34 @@ use crate::num::color::linear_of;
 /// Pixels in a degree of the viewer's sight, about 67: a screen 0.7 m and 3,840 pixels wide, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3_840.0 * (std::f64::consts::PI / 180.0);
 
-/// Sensitivity to contrast (4.1.1, Table 1), as sums of Gaussians a sqrt(π/b) exp(-π² x² / b), x in degrees: (a, b) of
-/// Y, Cx and Cz.
-const SENSITIVITY: [&[(f64, f64)]; 3] =
-    [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
+/// What the paper fixes.
+#[derive(Clone, Copy)]
+struct Model {
+    pixels_per_degree: f64,
+    /// Sensitivity to contrast (4.1.1, Table 1), as sums of Gaussians a sqrt(π/b) exp(-π² x² / b), x in degrees: (a, b) of
+    /// Y, Cx and Cz.
+    sensitivity: [&'static [(f64, f64)]; 3],
+    /// The light of an sRGB byte.
+    light: fn(u8) -> f64,
+    /// Chroma by lightness (4.1.2).
+    chroma: fn([f64; 3]) -> [f64; 3],
+    /// The exponent of colour distances (4.1.4).
+    power: f64,
+    /// Below this share of the largest colour distance, errors are linear up to this one (4.1.4).
+    knee: [f64; 2],
+    /// The width of the detectors of features, in degrees (4.2).
+    feature_width: f64,
+}
 
-/// The exponent of colour distances (4.1.4).
-const COLOR_POWER: f64 = 0.7;
-
-/// Below this share of the largest colour distance (4.1.4) ...
-const KNEE: f64 = 0.4;
-
-/// ... errors are linear up to this one.
-const KNEE_ERROR: f64 = 0.95;
-
-/// The width of the detectors of features, in degrees (4.2).
-const FEATURE_WIDTH: f64 = 0.082;
+const PAPER: Model = Model {
+    pixels_per_degree: PIXELS_PER_DEGREE,
+    sensitivity: [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]],
+    light: linear_of,
+    chroma: hunt,
+    power: 0.7,
+    knee: [0.4, 0.95],
+    feature_width: 0.082,
+};
 
 /// Rows that one task takes at a time. No result depends on it.
 const BAND: usize = 64;
@@ -50,7 +67,11 @@ pub fn map(reference: &Image, test: &Image) -> Result<Vec<f64>> {
     if reference.pixels.is_empty() {
         return Ok(Vec::new());
     }
-    let eye = Eye::new(PIXELS_PER_DEGREE);
+    Ok(map_by(&PAPER, reference, test))
+}
+
+fn map_by(model: &Model, reference: &Image, test: &Image) -> Vec<f64> {
+    let eye = Eye::new(*model);
     let height = reference.height as usize;
     let starts: Vec<usize> = (0..height).step_by(BAND).collect();
     let band = |&start: &usize| {
@@ -59,7 +80,7 @@ pub fn map(reference: &Image, test: &Image) -> Result<Vec<f64>> {
         a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).collect::<Vec<f64>>()
     };
     let bands: Vec<Vec<f64>> = starts.par_iter().map(band).collect();
-    Ok(bands.concat())
+    bands.concat()
 }
 
 /// The mean of a map, added row by row; 0 without pixels.
@@ -76,8 +97,9 @@ struct Seen {
     point: f64,
 }
 
-/// The kernels for a viewer, and the largest colour distance.
+/// A model's kernels, and the largest colour distance.
 struct Eye {
+    model: Model,
     /// Of Y, Cx and Cz: a share and a Gaussian for each term.
     blurs: [Vec<(f64, Vec<f64>)>; 3],
     smooth: Vec<f64>,
@@ -87,8 +109,9 @@ struct Eye {
 }
 
 impl Eye {
-    fn new(pixels_per_degree: f64) -> Self {
-        let terms = || SENSITIVITY.into_iter().flatten();
+    fn new(model: Model) -> Self {
+        let pixels_per_degree = model.pixels_per_degree;
+        let terms = || model.sensitivity.into_iter().flatten();
         let widest = terms().map(|&(_, b)| b).fold(0.0, f64::max);
         let pi = std::f64::consts::PI;
         let reach = (3.0 * (widest / (2.0 * pi * pi)).sqrt() * pixels_per_degree).ceil();
@@ -105,19 +128,21 @@ impl Eye {
             let whole: f64 = terms.iter().map(|(share, _)| share).sum();
             terms.into_iter().map(|(share, gauss)| (share / whole, gauss)).collect()
         };
-        let width = 0.5 * FEATURE_WIDTH * pixels_per_degree;
+        let width = 0.5 * model.feature_width * pixels_per_degree;
         let reach = (3.0 * width).ceil();
         let gauss = |x: f64| libm::exp(-(x * x) / (2.0 * width * width));
         let edge = kernel(reach, |x| -x * gauss(x));
         let point = kernel(reach, |x| (x * x / (width * width) - 1.0) * gauss(x));
         // Green against blue.
-        let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt(lab(xyz(rgb))));
+        let [green, blue] =
+            [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| (model.chroma)(lab(xyz(rgb))));
         Self {
-            blurs: SENSITIVITY.map(blur),
+            model,
+            blurs: model.sensitivity.map(blur),
             smooth: unit(&kernel(reach, gauss)),
             edge: unit(&edge),
             point: unit(&point),
-            largest: libm::pow(hyab(green, blue), COLOR_POWER),
+            largest: libm::pow(hyab(green, blue), model.power),
         }
     }
 
@@ -130,7 +155,7 @@ impl Eye {
         let pixels = &image.pixels[first * width..last * width];
         let opponent: Vec<[f64; 3]> = pixels
             .iter()
-            .map(|&[r, g, b, _]| opponent(xyz([linear_of(r), linear_of(g), linear_of(b)])))
+            .map(|&[r, g, b, _]| opponent(xyz([r, g, b].map(self.model.light))))
             .collect();
         let plane = |channel: usize| Plane {
             width,
@@ -158,7 +183,7 @@ impl Eye {
         (0..edges.len())
             .map(|i| {
                 let rgb = rgb([colors[0][i], colors[1][i], colors[2][i]]);
-                let color = hunt(lab(xyz(rgb.map(|c| c.clamp(0.0, 1.0)))));
+                let color = (self.model.chroma)(lab(xyz(rgb.map(|c| c.clamp(0.0, 1.0)))));
                 Seen { color, edge: edges[i], point: points[i] }
             })
             .collect()
@@ -166,135 +191,16 @@ impl Eye {
 
     /// The error between two pixels, 0..=1.
     fn error(&self, a: &Seen, b: &Seen) -> f64 {
-        let distance = libm::pow(hyab(a.color, b.color), COLOR_POWER);
-        let knee = KNEE * self.largest;
+        let distance = libm::pow(hyab(a.color, b.color), self.model.power);
+        let [share, level] = self.model.knee;
+        let knee = share * self.largest;
         let color = if distance < knee {
-            distance * (KNEE_ERROR / knee)
+            distance * (level / knee)
         } else {
-            KNEE_ERROR + (distance - knee) / (self.largest - knee) * (1.0 - KNEE_ERROR)
+            level + (distance - knee) / (self.largest - knee) * (1.0 - level)
         };
         let feature = (a.edge - b.edge).abs().max((a.point - b.point).abs());
         let feature = (feature / std::f64::consts::SQRT_2).sqrt();
         libm::pow(color, 1.0 - feature).clamp(0.0, 1.0)
     }
-}
-
-/// `weight` at -reach..=reach.
-fn kernel(reach: f64, weight: impl Fn(f64) -> f64) -> Vec<f64> {
-    let reach = reach as i32;
-    (-reach..=reach).map(|x| weight(f64::from(x))).collect()
-}
-
-/// Its positive weights scaled to a sum of 1, its negative ones to -1.
-fn unit(kernel: &[f64]) -> Vec<f64> {
-    let positive: f64 = kernel.iter().filter(|&&w| w > 0.0).sum();
-    let negative: f64 = kernel.iter().filter(|&&w| w < 0.0).sum();
-    kernel.iter().map(|&w| if w < 0.0 { w / -negative } else { w / positive }).collect()
-}
-
-/// A channel of some rows of a picture.
-struct Plane {
-    width: usize,
-    /// The row that `values` begins with.
-    first: usize,
-    values: Vec<f64>,
-    /// The rows to compute; `values` reaches beyond them as far as kernels do, where the picture does.
-    rows: [usize; 2],
-}
-
-impl Plane {
-    /// By one kernel along rows and another along columns.
-    fn convolved(&self, across: &[f64], down: &[f64]) -> Vec<f64> {
-        let (width, reach) = (self.width, across.len() / 2);
-        let mut wide = vec![0.0; width + 2 * reach];
-        let mut lines = vec![0.0; self.values.len()];
-        for (row, line) in self.values.chunks_exact(width).zip(lines.chunks_exact_mut(width)) {
-            wide[..reach].fill(row[0]);
-            wide[reach..reach + width].copy_from_slice(row);
-            wide[reach + width..].fill(row[width - 1]);
-            for (shift, &weight) in across.iter().enumerate() {
-                add(line, weight, &wide[shift..shift + width]);
-            }
-        }
-        let (reach, last) = (down.len() / 2, lines.len() / width - 1);
-        let mut out = vec![0.0; width * (self.rows[1] - self.rows[0])];
-        for (y, line) in (self.rows[0]..).zip(out.chunks_exact_mut(width)) {
-            for (shift, &weight) in down.iter().enumerate() {
-                let from = (y + shift).saturating_sub(reach).saturating_sub(self.first).min(last);
-                add(line, weight, &lines[from * width..(from + 1) * width]);
-            }
-        }
-        out
-    }
-}
-
-fn add(line: &mut [f64], weight: f64, other: &[f64]) {
-    line.iter_mut().zip(other).for_each(|(sum, value)| *sum += weight * value);
-}
-
-/// From linear sRGB to XYZ, with the paper's white.
-const TO_XYZ: [[f64; 3]; 3] = [
-    [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
-    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
-    [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
-];
-
-/// Its inverse.
-const TO_RGB: [[f64; 3]; 3] = [
-    [3.241_003_275, -1.537_398_934, -0.498_615_861],
-    [-0.969_224_334, 1.875_930_071, 0.041_554_224],
-    [0.055_639_423, -0.204_011_202, 1.057_148_933],
-];
-
-/// XYZ of white, RGB (1, 1, 1).
-const WHITE: [f64; 3] = [
-    (10_135_552.0 + 8_788_810.0 + 4_435_075.0) / 24_577_794.0,
-    1.0,
-    (1_425_312.0 + 8_788_810.0 + 70_074_185.0) / 73_733_382.0,
-];
-
-fn times(matrix: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    matrix.map(|[a, b, c]| (a * x + b * y) + c * z)
-}
-
-/// XYZ of linear RGB, each channel as a part of white.
-fn xyz(rgb: [f64; 3]) -> [f64; 3] {
-    let xyz = times(&TO_XYZ, rgb);
-    std::array::from_fn(|c| xyz[c] / WHITE[c])
-}
-
-/// YCxCz.
-fn opponent([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
-}
-
-/// Linear RGB of YCxCz.
-fn rgb([y, cx, cz]: [f64; 3]) -> [f64; 3] {
-    let y = (y + 16.0) / 116.0;
-    let parts = [y + cx / 500.0, y, y - cz / 200.0];
-    times(&TO_RGB, std::array::from_fn(|c| parts[c] * WHITE[c]))
-}
-
-/// L\*a\*b\*.
-fn lab(xyz: [f64; 3]) -> [f64; 3] {
-    const DELTA: f64 = 6.0 / 29.0;
-    let root = |part: f64| {
-        if part > DELTA * DELTA * DELTA {
-            libm::cbrt(part)
-        } else {
-            part / (3.0 * DELTA * DELTA) + 4.0 / 29.0
-        }
-    };
-    let [x, y, z] = xyz.map(root);
-    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
-}
-
-/// Chroma as strong as it looks at that lightness.
-fn hunt([lightness, a, b]: [f64; 3]) -> [f64; 3] {
-    [lightness, 0.01 * lightness * a, 0.01 * lightness * b]
-}
-
-fn hyab(p: [f64; 3], q: [f64; 3]) -> f64 {
-    let [l, a, b]: [f64; 3] = std::array::from_fn(|c| p[c] - q[c]);
-    l.abs() + (a * a + b * b).sqrt()
 }
