@@ -138,7 +138,70 @@ impl Window {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ledger::cases;
     use super::*;
+
+    /// How far we may be from scikit-image, which computes in double precision too, in another order.
+    const BOUND: f64 = 1e-9;
+
+    #[test]
+    fn as_others_measure() {
+        for case in cases() {
+            let [a, b] = &case.pictures;
+            for (found, expected) in [
+                (psnr(a, b).unwrap().unwrap(), case.psnr),
+                (psnr_linear(a, b).unwrap().unwrap(), case.psnr_linear),
+                (ssim(a, b).unwrap(), case.ssim),
+            ] {
+                assert!((found - expected).abs() < BOUND, "{found} {expected}");
+            }
+        }
+    }
+
+    /// With any of these, [`as_others_measure`] fails.
+    #[test]
+    fn a_fault_in_any_part_is_seen() {
+        let [c1, c2] = WANG.stable;
+        for (fault, window) in [
+            ("7 x 7 pixels", Window { reach: 3, ..WANG }),
+            ("another sigma", Window { sigma: 1.4, ..WANG }),
+            ("constants for 0..1", Window { stable: WANG.stable.map(|c| c / 65_025.0), ..WANG }),
+            ("constants swapped", Window { stable: [c2, c1], ..WANG }),
+            ("luma of HDTV", Window { luma: [0.2126, 0.7152, 0.0722], ..WANG }),
+        ] {
+            let seen = |case: &super::super::ledger::Case| {
+                (ssim_by(window, &case.pictures[0], &case.pictures[1]) - case.ssim).abs() > BOUND
+            };
+            assert!(cases().iter().any(seen), "{fault}");
+        }
+        let [case, ..] = &cases()[..] else { panic!("no cases") };
+        assert!((case.psnr - case.psnr_linear).abs() > BOUND, "a missing gamma");
+        let [a, b] = &case.pictures;
+        let [mut a, mut b] = [a.clone(), b.clone()];
+        a.pixels.iter_mut().chain(&mut b.pixels).for_each(|pixel| pixel[2] = pixel[1]);
+        let without_blue = psnr(&a, &b).unwrap().unwrap();
+        assert!((without_blue - case.psnr).abs() > BOUND, "a channel too few");
+    }
+
+    /// Windows that are cut at the edge do not count, unless there are no others.
+    #[test]
+    fn only_whole_windows_count() {
+        let a = Image::filled(31, 31, [60, 60, 60, 255]);
+        let mut b = a.clone();
+        b.pixels[15 * 31 + 15] = [90, 90, 90, 255];
+        let around = |edge: u32| {
+            let cut = |image: &Image| {
+                let from = (31 - edge) / 2;
+                let places = (0..edge).flat_map(|y| (0..edge).map(move |x| (from + x, from + y)));
+                let pixels = places.map(|(x, y)| image.pixel(x, y)).collect();
+                Image { width: edge, height: edge, pixels }
+            };
+            1.0 - ssim(&cut(&a), &cut(&b)).unwrap()
+        };
+        // 21 x 21 whole windows hold the dot or not; a smaller picture has the same windows around it.
+        assert!((around(31) * 21.0 * 21.0 - around(21) * 11.0 * 11.0).abs() < 1e-9);
+        assert!(around(11) > 0.0 && around(9) > 0.0, "one whole window, and none");
+    }
 
     fn ramp(step: u8) -> Image {
         let of = |i: usize| [(i % 24 * 7) as u8 + step, (i / 24 * 9) as u8, 90, 255];
@@ -148,6 +211,7 @@ mod tests {
     #[test]
     fn equal_images_are_wholly_alike() {
         assert_eq!(psnr(&ramp(0), &ramp(0)).unwrap(), None);
+        assert_eq!(psnr_linear(&ramp(0), &ramp(0)).unwrap(), None);
         assert!((ssim(&ramp(0), &ramp(0)).unwrap() - 1.0).abs() < 1e-12);
         assert!(ssim(&ramp(0), &Image::filled(1, 1, [0; 4])).is_err());
         assert!(psnr(&ramp(0), &Image::filled(1, 1, [0; 4])).is_err());
@@ -158,6 +222,16 @@ mod tests {
     fn a_known_ratio() {
         let found = psnr(&ramp(0), &ramp(1)).unwrap().unwrap();
         assert!((found - 10.0 * libm::log10(255.0 * 255.0 * 3.0)).abs() < 1e-12, "{found}");
+    }
+
+    /// Black against white: a mean square of 1, so 0 dB.
+    #[test]
+    fn black_against_white_is_0() {
+        let [black, white] = [[0, 0, 0, 255], [255; 4]].map(|color| Image::filled(13, 12, color));
+        assert_eq!(psnr(&black, &white).unwrap(), Some(0.0));
+        assert_eq!(psnr_linear(&black, &white).unwrap(), Some(0.0));
+        let expected = WANG.stable[0] / (65_025.0 + WANG.stable[0]);
+        assert!((ssim(&black, &white).unwrap() - expected).abs() < 1e-9);
     }
 
     /// Two flat images differ in light alone.

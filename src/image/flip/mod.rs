@@ -204,3 +204,160 @@ impl Eye {
         libm::pow(color, 1.0 - feature).clamp(0.0, 1.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::ledger::cases;
+    use super::*;
+
+    /// How far we are from flip-evaluator, which computes in single precision: 7.4e-7 at most where it was tried.
+    const BOUND: f64 = 2e-6;
+
+    fn flat(color: [u8; 4]) -> Image {
+        Image::filled(40, 30, color)
+    }
+
+    fn mean_by(model: &Model, [reference, test]: &[Image; 2]) -> f64 {
+        mean(&map_by(model, reference, test))
+    }
+
+    #[test]
+    fn as_others_measure() {
+        for case in cases() {
+            let found = mean_by(&PAPER, &case.pictures);
+            assert!((found - case.flip).abs() < BOUND, "{found} {}", case.flip);
+        }
+    }
+
+    /// Each part of the model counts: with one of them wrong, [`as_others_measure`] fails.
+    #[test]
+    fn a_fault_in_any_part_is_seen() {
+        let linear = |byte: u8| f64::from(byte) / 255.0;
+        let [y, cx, cz] = PAPER.sensitivity;
+        for (fault, model) in [
+            ("no gamma", Model { light: linear, ..PAPER }),
+            ("no Hunt effect", Model { chroma: |lab| lab, ..PAPER }),
+            ("another distance", Model { pixels_per_degree: 67.0, ..PAPER }),
+            ("colour not raised", Model { power: 1.0, ..PAPER }),
+            ("no compression", Model { knee: [0.4, 0.4], ..PAPER }),
+            ("wide features", Model { feature_width: 0.09, ..PAPER }),
+            ("Y and Cx swapped", Model { sensitivity: [cx, y, cz], ..PAPER }),
+            ("one term of Cz", Model { sensitivity: [y, cx, &cz[..1]], ..PAPER }),
+        ] {
+            let seen = cases()
+                .iter()
+                .any(|case| (mean_by(&model, &case.pictures) - case.flip).abs() > 10.0 * BOUND);
+            assert!(seen, "{fault}");
+        }
+    }
+
+    /// The kernels of features, and each of the steps that put an error together.
+    #[test]
+    fn a_fault_in_the_kernels_is_seen() {
+        let case = &cases()[0];
+        let [a, b] = &case.pictures;
+        let rows = [0, a.height as usize];
+        let by = |spoil: fn(&mut Eye)| {
+            let mut eye = Eye::new(PAPER);
+            spoil(&mut eye);
+            let [a, b] = [eye.sees(a, rows), eye.sees(b, rows)];
+            mean(&a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).collect::<Vec<_>>())
+        };
+        assert!((by(|_| ()) - case.flip).abs() < BOUND);
+        let faults: [(&str, fn(&mut Eye)); 5] = [
+            ("no edges", |eye| eye.edge.fill(0.0)),
+            ("no points", |eye| eye.point.fill(0.0)),
+            ("a shifted edge", |eye| eye.edge.rotate_left(1)),
+            ("a cut Gaussian", |eye| eye.smooth[0] = 0.0),
+            ("no blur of Cz", |eye| eye.blurs[2].iter_mut().for_each(|(_, w)| w.rotate_left(1))),
+        ];
+        for (fault, spoil) in faults {
+            assert!((by(spoil) - case.flip).abs() > 10.0 * BOUND, "{fault}");
+        }
+    }
+
+    #[test]
+    fn black_against_white_is_the_most_lightness_can_differ() {
+        let map = map(&flat([0, 0, 0, 255]), &flat([255; 4])).unwrap();
+        let knee = 0.4 * Eye::new(PAPER).largest;
+        let distance = libm::pow(100.0, 0.7);
+        let expected = 0.95 + (distance - knee) / (1.5 * knee) * 0.05;
+        assert!(map.iter().all(|error| (error - expected).abs() < 1e-6), "{} {expected}", map[0]);
+        assert!((mean(&map) - map[0]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn green_against_blue_is_1() {
+        let map = map(&flat([0, 255, 0, 255]), &flat([0, 0, 255, 255])).unwrap();
+        assert!(map.iter().all(|error| (error - 1.0).abs() < 1e-6), "{}", map[0]);
+    }
+
+    /// A dot is seen from afar as far as the blur reaches, and no farther.
+    #[test]
+    fn one_pixel_shows_in_its_surroundings() {
+        let paper = Image::filled(64, 48, [128, 128, 128, 255]);
+        let mut dot = paper.clone();
+        dot.pixels[24 * 64 + 32] = [255, 0, 0, 255];
+        let map = map(&paper, &dot).unwrap();
+        let at = |x: usize, y: usize| map[y * 64 + x];
+        assert!((0..map.len()).all(|i| map[i] <= at(32, 24)), "the dot is worst");
+        assert!(at(32, 24) > 0.1 && at(33, 24) > 0.0 && at(32, 21) > 0.0);
+        let reach = Eye::new(PAPER).blurs[2][0].1.len() / 2;
+        assert_eq!([at(32 + reach + 1, 24), at(32, 24 + reach + 1)], [0.0, 0.0]);
+        assert!((at(32 + 3, 24) - at(32 - 3, 24)).abs() < 1e-12, "as far to the left");
+    }
+
+    #[test]
+    fn opacity_does_not_count_and_sizes_must_agree() {
+        assert_eq!(mean(&map(&flat([9, 8, 7, 255]), &flat([9, 8, 7, 0])).unwrap()), 0.0);
+        assert!(map(&flat([0; 4]), &Image::filled(30, 40, [0; 4])).is_err());
+        let none = Image::filled(0, 5, [0; 4]);
+        assert_eq!(mean(&map(&none, &none).unwrap()), 0.0);
+    }
+
+    /// The same picture, however many bands it is cut into: rows of a tall one are those of its parts.
+    #[test]
+    fn bands_do_not_show() {
+        let case = &cases()[0];
+        let [a, b] = &case.pictures;
+        let eye = Eye::new(PAPER);
+        let height = a.height as usize;
+        let whole = [a, b].map(|image| eye.sees(image, [0, height]));
+        let whole = whole[0].iter().zip(&whole[1]).map(|(a, b)| eye.error(a, b).to_bits());
+        let map = map(a, b).unwrap();
+        assert!(height > BAND && whole.eq(map.iter().map(|error| error.to_bits())));
+    }
+
+    fn pictures() -> impl Strategy<Value = [Image; 2]> {
+        let pixels = || prop::collection::vec(any::<[u8; 3]>(), 70);
+        let image = |pixels: Vec<[u8; 3]>| Image {
+            width: 10,
+            height: 7,
+            pixels: pixels.into_iter().map(|[r, g, b]| [r, g, b, 255]).collect(),
+        };
+        [pixels(), pixels()].prop_map(move |both| both.map(image))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(32) })]
+
+        #[test]
+        fn it_is_symmetric_within_0_and_1_and_0_for_equals([a, b] in pictures()) {
+            let (there, back) = (map(&a, &b).unwrap(), map(&b, &a).unwrap());
+            prop_assert!(there.iter().all(|error| (0.0..=1.0).contains(error)));
+            let bits = |map: &[f64]| map.iter().map(|error| error.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&there), bits(&back));
+            prop_assert_eq!(mean(&there) == 0.0, a == b);
+            prop_assert!(map(&a, &a).unwrap().iter().all(|&error| error == 0.0));
+        }
+
+        #[test]
+        fn one_step_of_one_channel_is_seen([a, _] in pictures(), pixel in 0_usize..70, channel in 0_usize..3) {
+            let mut b = a.clone();
+            b.pixels[pixel][channel] ^= 1;
+            prop_assert!(mean(&map(&a, &b).unwrap()) > 0.0);
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! `compare --sweep`: methods at several values of an option; memory and errors of each, as a table and a plot.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Serialize;
@@ -45,6 +46,7 @@ struct Point {
     metrics: Metrics,
     arrival_dependent: bool,
     image_hash: String,
+    warnings: Vec<String>,
     violations: Vec<String>,
 }
 
@@ -117,14 +119,23 @@ pub(super) fn run(
         Printed::Document | Printed::ErrorDocument => json::document(&points)?,
         Printed::Errors(syntax) => grid.write(syntax),
     })?;
-    let mut verdict = Verdict::Clean;
-    for point in &points {
-        for violation in &point.violations {
-            say::violation(&format!("{}: {violation}", point.method));
-            verdict = Verdict::Found;
+    complain(&points, &session.warnings);
+    let clean = points.iter().all(|point| point.violations.is_empty());
+    Ok(if clean { Verdict::Clean } else { Verdict::Found })
+}
+
+/// Report what is not known yet, once for each method.
+fn complain(points: &[Point], known: &[String]) {
+    let mut told = BTreeSet::new();
+    for point in points {
+        let of = |text: &String| format!("{}: {text}", point.method);
+        for warning in point.warnings.iter().filter(|warning| !known.contains(warning)).map(of) {
+            if told.insert(warning.clone()) {
+                say::warning(&warning);
+            }
         }
+        point.violations.iter().for_each(|violation| say::violation(&of(violation)));
     }
-    Ok(verdict)
 }
 
 impl Point {
@@ -142,6 +153,7 @@ impl Point {
             metrics,
             arrival_dependent: run.options.method.contract().is_arrival_dependent(),
             image_hash: report.image_hash,
+            warnings: report.warnings,
             violations: report.violations,
         }
     }
