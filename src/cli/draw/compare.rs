@@ -160,6 +160,19 @@ pub(super) fn common_format(fixed: impl Iterator<Item = Option<Format>>) -> Form
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::options::sweep::names;
+
+    #[test]
+    fn the_help_names_all_that_can_be_swept() {
+        let command = crate::cli::command();
+        let compare = command.find_subcommand("compare").unwrap();
+        let sweep = compare.get_arguments().find(|argument| argument.get_id() == "sweep").unwrap();
+        let help = sweep.get_help().unwrap().to_string();
+        let list = help.split("NAME is ").nth(1).unwrap().split('.').next().unwrap();
+        let listed: Vec<&str> =
+            list.split([',', ' ']).filter(|word| !["", "or"].contains(word)).collect();
+        assert_eq!(listed, names().collect::<Vec<_>>());
+    }
 
     #[test]
     fn the_coarsest_fixed_format_wins() {

@@ -66,6 +66,11 @@ const PARAMETERS: &[Parameter] = &[
     },
 ];
 
+/// What can be swept.
+pub(in crate::cli) fn names() -> impl Iterator<Item = &'static str> {
+    PARAMETERS.iter().map(|known| known.name)
+}
+
 /// A parameter and its values.
 #[derive(Debug)]
 pub(in crate::cli) struct Sweep {
@@ -82,7 +87,7 @@ impl Sweep {
     pub(in crate::cli) fn parse(text: &str, typed: &Drawing) -> Result<Self> {
         let (name, list) = text.split_once('=').ok_or_else(|| malformed(text))?;
         let parameter = PARAMETERS.iter().find(|known| known.name == name).ok_or_else(|| {
-            let names: Vec<&str> = PARAMETERS.iter().map(|known| known.name).collect();
+            let names: Vec<&str> = names().collect();
             let problem = format!("{name:?} is nothing that can be swept: must be one of");
             wrong(format!("{problem} {}", names.join(", ")))
         })?;

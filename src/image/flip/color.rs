@@ -1,4 +1,4 @@
-//! The colour spaces that FLIP goes through (4.1), all from linear sRGB.
+//! The colour spaces that FLIP goes through, all from linear sRGB.
 
 /// From linear sRGB to XYZ, with the paper's white.
 const TO_XYZ: [[f64; 3]; 3] = [

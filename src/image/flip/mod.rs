@@ -1,12 +1,15 @@
 //! FLIP for pictures of low dynamic range: how much a viewer who flips between two pictures sees change, per pixel from
-//! 0 (nothing) to 1 (black against white, about). Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020,
-//! *FLIP: A Difference Evaluator for Alternating Images*; numbers in brackets are sections there.
+//! 0 (nothing) to 1 (green against blue). Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020, *FLIP: A
+//! Difference Evaluator for Alternating Images*.
 //!
-//! Colour (4.1): both pictures go from sRGB to an opponent space, YCxCz, where each channel is blurred as the eye blurs
-//! it at a distance (4.1.1); back to linear RGB, clamped, and on to L\*a\*b\*, whose chroma shrinks where it is dark
-//! (Hunt, 4.1.2). The distance is HyAB, |ΔL| + |(Δa, Δb)| (4.1.3), raised to 0.7 and mapped to 0..1, large ones
-//! compressed (4.1.4). Features (4.2): edges and points of Y, by first and second derivatives of a Gaussian; what one
-//! picture has and the other has not. Both together (4.3): colour^(1 - features).
+//! * Colour. Both pictures go from sRGB to an opponent space, YCxCz, where each channel is blurred as the eye blurs it at
+//!   a distance (contrast sensitivity); back to linear RGB, clamped to 0..1, and on to L\*a\*b\*, with chroma scaled by
+//!   0.01 L\* (Hunt effect). The distance is HyAB, |ΔL| + |(Δa, Δb)|, raised to 0.7. With m that of green and blue, the
+//!   error rises in a line from 0 to 0.95 at 0.4 m, and in another to 1 at m.
+//! * Features. Of (Y + 16) / 116, edges are the lengths of its first derivatives, points of its second ones, both by
+//!   derivatives of one Gaussian whose positive and negative weights sum up to 1 each. The error is the larger of the
+//!   differences of both, divided by √2, to the power of 0.5.
+//! * Together: colour^(1 - features).
 //!
 //! Distances are of the paper's viewer. Everything is f64 in the written order: the same bits everywhere. Opacity does not
 //! count. Beyond the picture's edge, its outermost pixels go on.
@@ -30,18 +33,18 @@ pub const PIXELS_PER_DEGREE: f64 = 3_840.0 * (std::f64::consts::PI / 180.0);
 #[derive(Clone, Copy)]
 struct Model {
     pixels_per_degree: f64,
-    /// Sensitivity to contrast (4.1.1, Table 1), as sums of Gaussians a sqrt(π/b) exp(-π² x² / b), x in degrees: (a, b) of
+    /// Sensitivity to contrast, as sums of Gaussians a sqrt(π/b) exp(-π² x² / b), x in degrees: (a, b) of
     /// Y, Cx and Cz.
     sensitivity: [&'static [(f64, f64)]; 3],
     /// The light of an sRGB byte.
     light: fn(u8) -> f64,
-    /// Chroma by lightness (4.1.2).
+    /// Chroma by lightness.
     chroma: fn([f64; 3]) -> [f64; 3],
-    /// The exponent of colour distances (4.1.4).
+    /// The exponent of colour distances.
     power: f64,
-    /// Below this share of the largest colour distance, errors are linear up to this one (4.1.4).
+    /// Below this share of the largest colour distance, errors are linear up to this one.
     knee: [f64; 2],
-    /// The width of the detectors of features, in degrees (4.2).
+    /// The width of the detectors of features, in degrees.
     feature_width: f64,
 }
 
