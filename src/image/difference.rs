@@ -14,6 +14,10 @@ pub struct Difference {
     pub max: u8,
     /// Sums of absolute differences of R, G, B and A.
     pub sums: [u64; 4],
+    /// Pixels with a channel that differs by more than a given threshold.
+    pub beyond: u64,
+    /// Column and row of the first pixel, row by row, with a channel that differs by `max`; none if the images are equal.
+    pub worst: Option<[u32; 2]>,
 }
 
 impl Difference {
@@ -25,17 +29,22 @@ impl Difference {
     }
 }
 
-/// Compare two images.
+/// Compare two images. `threshold` is for [`Difference::beyond`], in sRGB steps.
 ///
 /// # Errors
 /// Images of different sizes.
-pub fn measure(a: &Image, b: &Image) -> Result<Difference> {
+pub fn measure(a: &Image, b: &Image, threshold: u8) -> Result<Difference> {
     same_size(a, b)?;
     let mut found = Difference { pixels: a.pixels.len() as u64, ..Difference::default() };
-    for (p, q) in a.pixels.iter().zip(&b.pixels) {
+    let places = (0..a.height).flat_map(|y| (0..a.width).map(move |x| [x, y]));
+    for (place, (p, q)) in places.zip(a.pixels.iter().zip(&b.pixels)) {
         let apart = channels(*p, *q);
-        found.differing += u64::from(apart != [0; 4]);
-        found.max = found.max.max(largest(apart));
+        let most = largest(apart);
+        found.differing += u64::from(most > 0);
+        found.beyond += u64::from(most > threshold);
+        if most > found.max {
+            (found.max, found.worst) = (most, Some(place));
+        }
         for (sum, d) in found.sums.iter_mut().zip(apart) {
             *sum += u64::from(d);
         }
@@ -43,17 +52,25 @@ pub fn measure(a: &Image, b: &Image) -> Result<Difference> {
     Ok(found)
 }
 
-/// An opaque picture of the largest channel difference of each pixel, coloured by [`ramp::color`].
+/// The largest channel difference of each pixel, row by row.
+///
+/// # Errors
+/// Images of different sizes.
+pub fn map(a: &Image, b: &Image) -> Result<Vec<u8>> {
+    same_size(a, b)?;
+    Ok(a.pixels.iter().zip(&b.pixels).map(|(p, q)| largest(channels(*p, *q))).collect())
+}
+
+/// An opaque picture of [`map()`], coloured by [`ramp::color`].
 ///
 /// # Errors
 /// Images of different sizes.
 pub fn heat_map(a: &Image, b: &Image) -> Result<Image> {
-    same_size(a, b)?;
-    let heat = |(p, q): (&[u8; 4], &[u8; 4])| {
-        let [red, green, blue] = ramp::color(largest(channels(*p, *q)));
+    let heat = |difference| {
+        let [red, green, blue] = ramp::color(difference);
         [red, green, blue, 255]
     };
-    let pixels = a.pixels.iter().zip(&b.pixels).map(heat).collect();
+    let pixels = map(a, b)?.into_iter().map(heat).collect();
     Ok(Image { width: a.width, height: a.height, pixels })
 }
 
@@ -81,7 +98,7 @@ mod tests {
     fn equal_images_do_not_differ() {
         let image = Image::filled(5, 3, [9, 8, 7, 6]);
         let expected = Difference { pixels: 15, ..Difference::default() };
-        assert_eq!(measure(&image, &image).unwrap(), expected);
+        assert_eq!(measure(&image, &image, 0).unwrap(), expected);
         assert_eq!(expected.mean().to_bits(), 0.0f64.to_bits());
     }
 
@@ -94,8 +111,14 @@ mod tests {
                 other.pixels[pixel][channel] ^= 1;
                 let mut sums = [0; 4];
                 sums[channel] = 1;
-                let expected = Difference { pixels: 6, differing: 1, max: 1, sums };
-                assert_eq!(measure(&image, &other).unwrap(), expected);
+                let worst = Some([pixel as u32 % 3, pixel as u32 / 3]);
+                let (pixels, differing, max, beyond) = (6, 1, 1, 1);
+                let expected = Difference { pixels, differing, max, sums, beyond, worst };
+                assert_eq!(measure(&image, &other, 0).unwrap(), expected);
+                assert_eq!(
+                    measure(&image, &other, 1).unwrap(),
+                    Difference { beyond: 0, ..expected }
+                );
                 let heat = heat_map(&image, &other).unwrap();
                 let hot = heat.pixels.iter().filter(|p| p[..3] != ramp::EQUAL).count();
                 assert_eq!((hot, &heat.pixels[pixel][..3]), (1, &ramp::color(1)[..]));
@@ -107,16 +130,33 @@ mod tests {
     fn sums_and_mean_are_exact() {
         let a = Image { width: 2, height: 1, pixels: vec![[0, 10, 255, 255], [1, 1, 1, 1]] };
         let b = Image { width: 2, height: 1, pixels: vec![[255, 7, 0, 255], [1, 1, 1, 0]] };
-        let found = measure(&a, &b).unwrap();
-        assert_eq!(found, measure(&b, &a).unwrap());
-        assert_eq!(found, Difference { pixels: 2, differing: 2, max: 255, sums: [255, 3, 255, 1] });
+        let found = measure(&a, &b, 1).unwrap();
+        assert_eq!(found, measure(&b, &a, 1).unwrap());
+        let (sums, worst) = ([255, 3, 255, 1], Some([0, 0]));
+        let expected = Difference { pixels: 2, differing: 2, max: 255, sums, beyond: 1, worst };
+        assert_eq!(found, expected);
         assert_eq!(found.mean().to_bits(), 64.25f64.to_bits());
         assert_eq!(heat_map(&a, &b).unwrap().pixels[0][..3], ramp::color(255));
+    }
+
+    /// Of two equally bad pixels, the one in the row above counts, though its column is larger.
+    #[test]
+    fn the_worst_pixel_is_the_first_in_row_order() {
+        let a = Image::filled(4, 3, [100; 4]);
+        let mut b = a.clone();
+        for ([x, y], step) in [([1, 0], 8), ([3, 1], 9), ([0, 2], 9)] {
+            b.pixels[y * 4 + x][2] += step;
+        }
+        let found = measure(&a, &b, 8).unwrap();
+        assert_eq!(
+            (found.worst, found.max, found.beyond, found.differing),
+            (Some([3, 1]), 9, 2, 3)
+        );
     }
 
     #[test]
     fn sizes_must_agree() {
         let (wide, tall) = (Image::filled(3, 2, [0; 4]), Image::filled(2, 3, [0; 4]));
-        assert!(measure(&wide, &tall).is_err() && heat_map(&wide, &tall).is_err());
+        assert!(measure(&wide, &tall, 0).is_err() && heat_map(&wide, &tall).is_err());
     }
 }

@@ -3,7 +3,11 @@
 
 mod canvas;
 pub mod difference;
+pub mod flip;
 pub mod heat;
+#[cfg(test)]
+mod ledger;
+pub mod metrics;
 pub mod plot;
 pub mod png;
 pub mod ramp;

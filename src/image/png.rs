@@ -1,7 +1,12 @@
 //! PNG files. The settings are fixed, so that equal images give equal bytes with one version of the encoder; across
 //! versions, only the pixels are guaranteed.
 
-use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, SrgbRenderingIntent};
+use std::io::{BufRead, Seek};
+
+use png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, Filter, SrgbRenderingIntent,
+    Transformations,
+};
 
 use super::Image;
 
@@ -23,16 +28,57 @@ pub fn encode(image: &Image) -> Result<Vec<u8>, EncodingError> {
     Ok(bytes)
 }
 
+/// The picture in a PNG file of up to 8 bits per channel, taken for sRGB; what has no opacity is opaque.
+///
+/// # Errors
+/// What is wrong with it: no PNG, cut off, 16 bits per channel, or an edge above `most` pixels.
+pub fn decode(file: impl BufRead + Seek, most: u32) -> Result<Image, String> {
+    let broken = |error: png::DecodingError| format!("must be a PNG picture ({error})");
+    let mut decoder = Decoder::new(file);
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    if width > most || height > most {
+        return Err(format!("is {width}x{height}, but each edge must be 1 to {most}"));
+    }
+    if reader.output_color_type().1 != BitDepth::Eight {
+        return Err("has 16 bits per channel: must be 8 or fewer".to_owned());
+    }
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let frame = reader.next_frame(&mut bytes).map_err(broken)?;
+    let pixel = |channels: &[u8]| match *channels {
+        [gray] => [gray, gray, gray, 255],
+        [gray, alpha] => [gray, gray, gray, alpha],
+        [red, green, blue] => [red, green, blue, 255],
+        [red, green, blue, alpha, ..] => [red, green, blue, alpha],
+        [] => [0; 4],
+    };
+    let channels = frame.color_type.samples();
+    let pixels = bytes[..frame.buffer_size()].chunks_exact(channels).map(pixel).collect();
+    Ok(Image { width, height, pixels })
+}
+
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
-    fn decode(bytes: &[u8]) -> Image {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut buffer).unwrap();
-        let pixels = buffer.as_chunks::<4>().0.to_vec();
-        Image { width: info.width, height: info.height, pixels }
+    fn read(bytes: &[u8]) -> Result<Image, String> {
+        decode(Cursor::new(bytes), 64)
+    }
+
+    /// A picture of 2x1 pixels as another program would write it.
+    fn foreign(color: ColorType, depth: BitDepth, data: &[u8], palette: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if !palette.is_empty() {
+            encoder.set_palette(palette.to_vec());
+        }
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        bytes
     }
 
     #[test]
@@ -40,8 +86,37 @@ mod tests {
         let pixels = (0..=255u8).map(|i| [i, i.wrapping_mul(7), 255 - i, i ^ 0x5A]).collect();
         let image = Image { width: 32, height: 8, pixels };
         let bytes = encode(&image).unwrap();
-        assert_eq!(decode(&bytes), image);
+        assert_eq!(read(&bytes).unwrap(), image);
         assert_eq!(encode(&image).unwrap(), bytes);
+    }
+
+    #[test]
+    fn every_kind_of_picture_becomes_rgba() {
+        use BitDepth::{Eight, One, Sixteen};
+        use ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb};
+        for (color, depth, data, palette, expected) in [
+            (Rgb, Eight, &[1, 2, 3, 4, 5, 6][..], &[][..], [[1, 2, 3, 255], [4, 5, 6, 255]]),
+            (Grayscale, Eight, &[7, 8], &[], [[7, 7, 7, 255], [8, 8, 8, 255]]),
+            (Grayscale, One, &[0b0100_0000], &[], [[0, 0, 0, 255], [255; 4]]),
+            (GrayscaleAlpha, Eight, &[7, 9, 8, 0], &[], [[7, 7, 7, 9], [8, 8, 8, 0]]),
+            (Indexed, Eight, &[1, 0], &[1, 2, 3, 4, 5, 6], [[4, 5, 6, 255], [1, 2, 3, 255]]),
+        ] {
+            let image = read(&foreign(color, depth, data, palette)).unwrap();
+            assert_eq!((image.width, image.height, &image.pixels[..]), (2, 1, &expected[..]));
+        }
+        let deep = foreign(Grayscale, Sixteen, &[1, 2, 3, 4], &[]);
+        assert!(read(&deep).unwrap_err().contains("16 bits"));
+    }
+
+    #[test]
+    fn what_is_no_picture_is_an_error() {
+        let whole = encode(&Image::filled(64, 1, [9; 4])).unwrap();
+        assert!(read(&whole).is_ok());
+        for end in [0, 4, 20, whole.len() / 2] {
+            assert!(read(&whole[..end]).unwrap_err().contains("PNG"), "{end}");
+        }
+        let wide = encode(&Image::filled(65, 1, [9; 4])).unwrap();
+        assert!(read(&wide).unwrap_err().contains("1 to 64"));
     }
 
     #[test]

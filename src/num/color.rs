@@ -1,4 +1,4 @@
-//! Colour words and the two conversions every image goes through.
+//! Colour words, the two conversions every image goes through, and the way back from sRGB.
 //!
 //! * A *data word* is linear, straight-alpha RGBA8 with R in the low byte.
 //! * Real colour in 0..1 becomes 8 bits by `floor(clamp(c) * 255 + 0.5)`.
@@ -31,6 +31,21 @@ pub fn srgb(linear: u16) -> u8 {
     SRGB[usize::from(linear)]
 }
 
+/// From sRGB to linear, both 0..1 (IEC 61966-2-1).
+#[must_use]
+pub fn linear(c: f64) -> f64 {
+    if c <= 0.040_45 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+}
+
+/// The linear value of an sRGB byte, 0..1, from a table.
+#[must_use]
+pub fn linear_of(byte: u8) -> f64 {
+    LINEAR[usize::from(byte)]
+}
+
+static LINEAR: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f64 / 255.0)));
+
 static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=u16::MAX)
         .map(|linear| {
@@ -58,6 +73,8 @@ mod tests {
     fn srgb_is_monotone_and_hits_its_ends() {
         assert_eq!((srgb(0), srgb(u16::MAX)), (0, 255));
         assert!((1..=u16::MAX).all(|c| srgb(c - 1) <= srgb(c)));
+        let there_and_back = |byte: u8| srgb((linear_of(byte) * 65_535.0 + 0.5) as u16);
+        assert!((64..=255).all(|byte| there_and_back(byte) == byte));
         assert_eq!((srgb(14_027), srgb(14_028)), (127, 128), "sRGB 0.5 is linear 0.214041");
     }
 }

@@ -1,6 +1,8 @@
 //! Results for people and for programs: tables, JSON, NumPy files, and writing files whole or not at all.
 
+pub mod errors;
 pub mod files;
+pub mod grid;
 pub mod inspection;
 pub mod json;
 pub mod npz;

@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::image::Image;
+use crate::report::grid;
 
 pub use crate::image::plot;
 use plot::Plot;
@@ -304,16 +305,7 @@ impl Outcome {
     /// The table as CSV, with a line of names first.
     #[must_use]
     pub fn csv(&self) -> String {
-        let line = |cells: Vec<String>| cells.join(",") + "\n";
-        let quoted = |cell: &str| {
-            let plain = !cell.contains([',', '"', '\n']);
-            if plain { cell.to_owned() } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
-        };
-        let mut text = line(self.columns.iter().map(|column| quoted(column)).collect());
-        for row in &self.rows {
-            text += &line(row.iter().map(|cell| quoted(cell)).collect());
-        }
-        text
+        grid::csv(self.columns.iter().copied(), &self.rows)
     }
 }
 

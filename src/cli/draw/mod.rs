@@ -4,4 +4,5 @@ pub(super) mod bench;
 pub(super) mod compare;
 mod frames;
 pub(super) mod inspect;
+mod reference;
 pub(super) mod render;

@@ -3,15 +3,19 @@
 use std::path::PathBuf;
 
 use super::frames::{self, Frames};
+use super::reference::{Against, Document, Reference};
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::effects::Effects;
 use crate::cli::options::flags::{Drawing, Output};
+use crate::cli::options::measures::{Measures, Printed};
 use crate::cli::options::settings::{Settings, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::image::png;
 use crate::render::{Importance, Options, Rendering, render};
+use crate::report::errors::{self, Errors};
+use crate::report::grid::Syntax;
 use crate::report::{files, json, npz, table};
 use crate::scene;
 use crate::scheme::contract::Demand;
@@ -51,6 +55,14 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 
+    /// Compare the picture with another of the same size: a PNG file, or what a method draws that keeps all fragments,
+    /// usually exact. Prints how far apart they are, which is no violation [default: none]
+    #[arg(long, value_name = "FILE.png|METHOD")]
+    reference: Option<String>,
+
+    #[command(flatten)]
+    measures: Measures,
+
     #[command(flatten)]
     output: Output,
 }
@@ -66,9 +78,12 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     args.effects.complete(args.drawing.data, &mut settings.options)?;
     settings.warnings.extend(idle(&settings.options));
     check_outputs(args)?;
-    let single: Vec<&str> = outputs(args)
-        .into_iter()
-        .map(|(option, _)| option)
+    let printed = printed(args)?;
+    let reference = args.reference.as_deref().map(|typed| Reference::read(catalogue, typed));
+    let reference = reference.transpose()?;
+    let single = outputs(args).into_iter().map(|(option, _)| option);
+    let single: Vec<&str> = single
+        .chain(args.reference.as_ref().map(|_| "--reference"))
         .filter(|option| !["-o", "--stats"].contains(option))
         .collect();
     if let Some(animation) = args.frames.complete(&single)? {
@@ -79,15 +94,34 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         let output = [args.output.json, quiet];
         return frames::run(&scene, &settings, &animation, image, stats, output);
     }
-    let rendering = draw(args, settings)?;
-    let document = json::document(&rendering.report)?;
+    let (rendering, against) = draw(args, settings, reference.as_ref())?;
+    let report = &rendering.report;
+    let document = json::document(&Document { report, errors: against.as_ref() })?;
     write_outputs(args, &rendering, &document)?;
-    rendering.report.warnings.iter().for_each(|warning| say::warning(warning));
-    let text = if args.output.json { document } else { table::accounting(&rendering.report) };
-    say::result(&text)?;
-    rendering.report.violations.iter().for_each(|violation| say::violation(violation));
-    let clean = rendering.report.violations.is_empty();
-    Ok(if clean { Verdict::Clean } else { Verdict::Found })
+    report.warnings.iter().for_each(|warning| say::warning(warning));
+    let errors: Vec<Errors<'_>> = against.iter().map(|against| against.errors(report)).collect();
+    say::result(&match printed {
+        Printed::Document => document,
+        Printed::Tables => table::accounting(report) + &titled(&errors),
+        Printed::Errors(syntax) => errors::grid(&errors).write(syntax),
+        Printed::ErrorDocument => json::document(&errors)?,
+    })?;
+    report.violations.iter().for_each(|violation| say::violation(violation));
+    Ok(if report.violations.is_empty() { Verdict::Clean } else { Verdict::Found })
+}
+
+fn printed(args: &Args) -> Result<Printed> {
+    if args.measures.metrics.is_some() && args.reference.is_none() {
+        return Err(Error::new("--metrics", "needs --reference, what to compare with"));
+    }
+    args.measures.printed(&args.output)
+}
+
+/// The table of errors under a title, if there is one.
+fn titled(errors: &[Errors<'_>]) -> String {
+    let Some(first) = errors.first() else { return String::new() };
+    let grid = errors::grid(errors).write(Syntax::Text);
+    format!("\nerrors against {}\n\n{grid}", first.reference)
 }
 
 /// What divides records by importance does nothing for a method that does not.
@@ -98,18 +132,29 @@ fn idle(options: &Options) -> Option<String> {
     (given && !divides).then(|| format!("{what} {}", options.method))
 }
 
-fn draw(args: &Args, settings: Settings) -> Result<Rendering> {
+fn draw(
+    args: &Args,
+    settings: Settings,
+    reference: Option<&Reference>,
+) -> Result<(Rendering, Option<Against>)> {
     let quiet = args.output.quiet;
     let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
+    let given = reference.zip(args.reference.as_deref());
+    given.map_or(Ok(()), |(reference, typed)| reference.check_size(typed, scene.size))?;
     let message = format!("drawing {} with {}", scene.name, settings.options.method);
     let mut rendering = wait::during(quiet, &message, || render(&scene, &settings.options))?;
+    let against = given.map(|(reference, typed)| {
+        let how = (args.measures.threshold, quiet);
+        reference.against(typed, &scene, &settings.options, &rendering, how)
+    });
+    let against = against.transpose()?;
     let warnings = &mut rendering.report.warnings;
     for warning in settings.warnings.into_iter().chain(scene.warnings) {
         if !warnings.contains(&warning) {
             warnings.push(warning);
         }
     }
-    Ok(rendering)
+    Ok((rendering, against))
 }
 
 /// The output files by their options.

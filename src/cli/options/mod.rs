@@ -4,5 +4,7 @@ pub(super) mod approximation;
 pub(super) mod effects;
 pub(super) mod flags;
 pub(super) mod importance;
+pub(super) mod measures;
 pub(super) mod settings;
+pub(super) mod sweep;
 pub(super) mod values;

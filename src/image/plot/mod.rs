@@ -47,6 +47,8 @@ pub enum Stroke {
     Wide,
     /// With gaps, through which others show that coincide with it.
     Over,
+    /// Plain, with a mark at every point: one point alone is seen, too.
+    Marked,
 }
 
 /// Curves with common axes.
@@ -71,6 +73,8 @@ const BOTTOM: f64 = 60.0;
 const LINE: f64 = 18.0;
 /// From the legend's left edge to its names: a stroke of the curve stands before each.
 const SAMPLE: f64 = 30.0;
+/// The edge of a mark.
+const MARK: f64 = 6.0;
 /// The width of a letter in the legend, about.
 const LETTER: f64 = 8.0;
 
@@ -99,6 +103,8 @@ struct Style {
     width: u32,
     /// Of [`DASHES`].
     dashes: &'static [u32],
+    /// A mark at every point.
+    marked: bool,
 }
 
 impl Plot {
@@ -107,13 +113,17 @@ impl Plot {
         let mut place = 0;
         self.curves.iter().map(move |curve| {
             let turn = match curve.stroke {
-                Stroke::Wide => return (curve, Style { color: BENEATH, width: 7, dashes: &[] }),
-                Stroke::Plain => place / COLORS.len(),
+                Stroke::Wide => {
+                    let (color, width, dashes) = (BENEATH, 7, &[][..]);
+                    return (curve, Style { color, width, dashes, marked: false });
+                }
+                Stroke::Plain | Stroke::Marked => place / COLORS.len(),
                 Stroke::Over => place,
             };
             let color = COLORS[place % COLORS.len()];
             place += 1;
-            (curve, Style { color, width: 2, dashes: DASHES[turn % DASHES.len()] })
+            let (dashes, marked) = (DASHES[turn % DASHES.len()], curve.stroke == Stroke::Marked);
+            (curve, Style { color, width: 2, dashes, marked })
         })
     }
 
@@ -146,7 +156,9 @@ impl Plot {
                 !apart(0, left) && !apart(1, top)
             };
             let mut lines = self.curves.iter().flat_map(Curve::lines);
+            let mut marked = self.curves.iter().filter(|curve| curve.stroke == Stroke::Marked);
             !lines.any(|points| points.windows(2).any(passes))
+                && !marked.any(|curve| curve.points.iter().any(|&point| passes(&[point, point])))
         };
         let [left, top] =
             if is_free(top_left) || !is_free(bottom_right) { top_left } else { bottom_right };
@@ -256,6 +268,19 @@ mod tests {
         assert!(!svg.contains("NaN"), "{svg}");
         curve.points.remove(2);
         assert_ne!(plot.draw(), Plot { curves: vec![curve], ..plot.clone() }.draw());
+    }
+
+    #[test]
+    fn a_point_alone_is_seen_if_it_is_marked() {
+        let curve = |stroke| Curve { points: vec![[1.0, 1.0]], stroke, ..Curve::new("alone") };
+        let plot = |stroke| Plot { curves: vec![curve(stroke)], ..Plot::default() };
+        let [plain, marked] = [Stroke::Plain, Stroke::Marked].map(plot);
+        assert_eq!(plain.svg().matches("<rect").count() + 1, marked.svg().matches("<rect").count());
+        let colored = |plot: &Plot| {
+            let pixels = plot.draw().pixels;
+            pixels.iter().filter(|pixel| pixel[..3] == COLORS[0]).count()
+        };
+        assert_eq!(colored(&plain) + 12 * 12, colored(&marked));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A plot as a picture, two pixels for every unit of the SVG drawing. Ends of lines are rounded to pixels; what lies
 //! between them is integer arithmetic.
 
-use super::{Axes, BOTTOM, LINE, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
+use super::{Axes, BOTTOM, LINE, MARK, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
 use crate::image::Image;
 use crate::image::canvas::{BODY, Canvas, INK, QUIET, TITLE};
 use embedded_graphics::mono_font::MonoFont;
@@ -39,6 +39,11 @@ impl Plot {
             for points in curve.lines() {
                 let points = points.iter().map(|&point| pixel(axes.place(point)));
                 line(&mut canvas, &points.collect::<Vec<_>>(), style);
+            }
+            let marks = curve.lines().flatten().filter(|_| style.marked);
+            for place in marks.map(|&point| axes.place(point)) {
+                let corner = pixel(place.map(|at| at - MARK / 2.0));
+                canvas.fill(corner, pixel([MARK; 2]), style.color);
             }
             let down = top + LINE * i as f64;
             let ends = [left, left + SAMPLE - 6.0].map(|across| pixel([across, down - 4.0]));

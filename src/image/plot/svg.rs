@@ -1,6 +1,6 @@
 //! A plot as SVG.
 
-use super::{LINE, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
+use super::{LINE, MARK, Plot, RIGHT, SAMPLE, SIZE, Style, TOP};
 
 impl Plot {
     /// The drawing, as SVG.
@@ -45,6 +45,13 @@ impl Plot {
                 line(format!(
                     "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\"{dashes}/>",
                     style.width
+                ));
+            }
+            let marks = curve.lines().flatten().filter(|_| style.marked);
+            for [across, down] in marks.map(|&point| axes.place(point).map(|at| at - MARK / 2.0)) {
+                line(format!(
+                    "<rect x=\"{across:.1}\" y=\"{down:.1}\" width=\"{MARK}\" height=\"{MARK}\" \
+                     fill=\"{color}\"/>"
                 ));
             }
             let down = top + LINE * i as f64;

@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::PointSize;
 use super::table::{COLUMNS, SPLAT, Table};
+use crate::num::color::linear;
 use crate::scene::Disc;
 use crate::scene::model::Unplaced;
 
@@ -55,11 +56,6 @@ fn disc(table: &Table, row: usize, scale: f64) -> Unplaced<Disc> {
         alpha: (1.0 / (1.0 + libm::exp(-opacity))) as f32,
         sigmas: SIGMAS,
     })
-}
-
-/// From sRGB to linear (IEC 61966-2-1).
-fn linear(c: f64) -> f64 {
-    if c <= 0.040_45 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
 }
 
 /// What a rotation makes of the three axes.

@@ -4,8 +4,11 @@ use serde::Serialize;
 
 use crate::exec::Method;
 use crate::image::difference::Difference;
+use crate::image::metrics::Metrics;
 use crate::image::sheet::Labels;
 use crate::render::Rendering;
+use crate::report::errors::{self, Errors};
+use crate::report::grid::Syntax;
 use crate::report::text::{Align, columns, percent, thousands};
 use crate::scheme::contract::{Contract, Demand, Keeps};
 
@@ -34,9 +37,8 @@ pub(in crate::cli) struct Compared {
     pub(in crate::cli) from_reference: Difference,
     /// Against the reference with all fragments; so are the following.
     pub(in crate::cli) from_all: Difference,
-    /// In decibels; none if the pictures are equal.
-    pub(in crate::cli) psnr: Option<f64>,
-    pub(in crate::cli) ssim: f64,
+    #[serde(flatten)]
+    pub(in crate::cli) metrics: Metrics,
     /// Smallest and largest number of records that a pixel with fragments has room for; none where nothing limits it.
     pub(in crate::cli) k_range: Option<[u32; 2]>,
     /// Generated fragments that are not in the lists, in per cent.
@@ -123,6 +125,12 @@ impl Compared {
         }
     }
 
+    /// Against the reference with all fragments.
+    pub(in crate::cli) fn errors(&self) -> Errors<'_> {
+        let pixels = self.from_all.pixels;
+        Errors { method: &self.method, reference: &self.reference, metrics: &self.metrics, pixels }
+    }
+
     fn cells(&self) -> Vec<String> {
         vec![
             self.method.clone(),
@@ -183,8 +191,8 @@ fn at_budget(rows: &[Compared]) -> String {
             format!("{:.1} %", row.loss),
             row.utilisation.map_or_else(|| "-".to_owned(), |share| format!("{share:.1} %")),
             thousands(row.bytes),
-            row.psnr.map_or_else(|| "equal".to_owned(), |psnr| format!("{psnr:.2} dB")),
-            format!("{:.5}", row.ssim),
+            row.metrics.psnr.map_or_else(|| "equal".to_owned(), |psnr| format!("{psnr:.2} dB")),
+            format!("{:.5}", row.metrics.ssim),
             row.from_all.max.to_string(),
         ]);
     }
@@ -219,14 +227,17 @@ pub(in crate::cli) fn table(rows: &[Compared]) -> String {
         0 => "all agree with their reference".to_owned(),
         n => format!("{n} of {} differ from their reference", rows.len()),
     };
+    let errors: Vec<Errors<'_>> = rows.iter().map(Compared::errors).collect();
     format!(
-        "{} at {}x{}, {}, {} fragments\n\n{}{}\n{summary}\n",
+        "{} at {}x{}, {}, {} fragments\n\n{}\nerrors against all fragments of {}\n\n{}{}\n{summary}\n",
         first.scene,
         first.width,
         first.height,
         first.exec,
         thousands(first.generated),
         columns(&aligned, &cells),
+        first.reference,
+        errors::grid(&errors).write(Syntax::Text),
         at_budget(rows)
     )
 }
@@ -236,7 +247,13 @@ mod tests {
     use super::*;
 
     fn row() -> Compared {
-        let from_all = Difference { pixels: 4_096, differing: 12, max: 33, sums: [40, 0, 0, 0] };
+        let from_all = Difference {
+            pixels: 4_096,
+            differing: 12,
+            max: 33,
+            sums: [40, 0, 0, 0],
+            ..Difference::default()
+        };
         Compared {
             method: "kplus-array".into(),
             scene: "cubes".into(),
