@@ -22,11 +22,11 @@ pub(in crate::cli) struct Typed {
 
     /// For mbt, the number of power moments: 4, 6 or 8
     #[arg(long, value_name = "M", default_value_t = 4, allow_negative_numbers = true)]
-    moments: u32,
+    pub(super) moments: u32,
 
     /// For stochastic, samples a pixel, 1 to 64
     #[arg(long, value_name = "S", default_value_t = 8, allow_negative_numbers = true)]
-    samples: u32,
+    pub(super) samples: u32,
 
     /// For stochastic, the seed of the samples, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]

@@ -20,24 +20,15 @@ pub(super) mod screen;
 pub(super) mod zfighting;
 
 use super::Scale;
+use super::bundled::{Bundled, bundled};
 use crate::catalogue;
 use crate::effect::Effect;
 use crate::effect::screen::Screen;
 use crate::effect::volume::UNTIL;
-use crate::error::{Error, Result};
-use crate::image::{Image, similarity};
+use crate::error::Result;
+use crate::image::{Image, flip, similarity};
 use crate::render::{Marching, Options, Rendering, render};
-use crate::scene::file::{self, Source};
-use crate::scene::{Overrides, Scene, Thickness, procedural};
-
-/// A scene file of the repository: its name and its text.
-type Bundled = (&'static str, &'static str);
-
-macro_rules! bundled {
-    ($name:literal) => {
-        ($name, include_str!(concat!("../../../scenes/", $name)))
-    };
-}
+use crate::scene::{Scene, Thickness};
 
 const BALLS: Bundled = bundled!("merging/balls.toml");
 const COMPARED: Bundled = bundled!("merging/compared.toml");
@@ -53,17 +44,8 @@ const SLICED: Bundled = bundled!("merging/sliced.toml");
 const TWINS: Bundled = bundled!("merging/twins.toml");
 
 /// The scene of a file, at a size.
-fn load((name, text): Bundled, edge: u32) -> Result<Scene> {
-    let overrides = Overrides { size: Some([edge; 2]), ..Overrides::default() };
-    let missing = |path: &str| Error::new(name, format!("file: {path} is not bundled"));
-    file::parse(text.as_bytes(), name)?.build(
-        &overrides,
-        &mut |source| match source {
-            Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
-            Source::File(path) | Source::Points { file: path, .. } => Err(missing(path)),
-        },
-        &mut |path| Err(missing(path)),
-    )
+fn load(bundled: Bundled, edge: u32) -> Result<Scene> {
+    bundled.scene([edge; 2])
 }
 
 /// The planes of an interactive viewer: from a thousandth of the distance to what is looked at.
@@ -163,7 +145,7 @@ struct Measured {
 }
 
 /// The columns that all figures share.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "method",
     "k",
     "thickness",
@@ -177,6 +159,7 @@ const COLUMNS: [&str; 13] = [
     "seconds",
     "PSNR (dB)",
     "SSIM",
+    "FLIP",
 ];
 
 /// Columns before and after them.
@@ -213,6 +196,7 @@ impl Measured {
             format!("{:.3}", self.seconds),
             psnr.map_or_else(|| "equal".to_owned(), |psnr| format!("{psnr:.2}")),
             format!("{:.5}", similarity::ssim(like, self.image())?),
+            format!("{:.5}", flip::mean(&flip::map(like, self.image())?)),
         ])
     }
 
@@ -248,7 +232,7 @@ mod tests {
     #[test]
     fn bundled_scenes_are_scenes() {
         for scene in [BALLS, COMPARED, COPLANAR, CROSSING, GHOSTED, MARKS, SHEETS, SHELL, TWINS] {
-            assert!(load(scene, 16).unwrap().triangles() > 0, "{}", scene.0);
+            assert!(load(scene, 16).unwrap().triangles() > 0, "{}", scene.name);
         }
     }
 }
