@@ -7,6 +7,7 @@
 
 use super::sums::{Logarithms, Mix, Sums};
 use super::{Merging, sums};
+use crate::fragment::key;
 use crate::scheme::{Record, Records};
 
 /// A fragment's slab as it is stored.
@@ -69,7 +70,9 @@ impl Stored {
         Merged { near: self.near, depth: self.depth, sums }
     }
 
-    fn is_thick(&self) -> bool {
+    /// It is no surface: it may overlap others.
+    #[must_use]
+    pub fn is_thick(&self) -> bool {
         self.near < self.depth
     }
 }
@@ -100,8 +103,8 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
 pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
     let k = k as usize;
     if all.len() > k {
-        let rest: Vec<Merged> = all.drain(k - 1..).collect();
-        all.extend(rest.into_iter().reduce(Merged::with::<M>));
+        let rest = all.drain(k - 1..).reduce(Merged::with::<M>);
+        all.extend(rest);
     }
     all
 }
@@ -117,7 +120,12 @@ pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
 /// Add a record as it leaves a method, and count the fragments merged into it.
 #[inline]
 pub fn add<M: Mix>(records: &mut Records, merged: &Merged, merging: &Merging) {
-    records.list.push(merged.record::<M>(merging));
+    match M::exact(merged.sums) {
+        Some(word) if merged.near >= merged.depth => {
+            records.surfaces.push(key(merged.depth, word));
+        }
+        _ => records.list.push(merged.record::<M>(merging)),
+    }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 

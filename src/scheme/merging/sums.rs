@@ -49,6 +49,11 @@ pub trait Mix: Send + Sync + 'static {
 
     /// The colour word of a record of one fragment, to tell what is farther at equal depth; of others, all ones.
     fn word(sums: Sums) -> u32;
+
+    /// The colour word of a record of one fragment, if [`Self::rgba`] is that colour to the last bit.
+    fn exact(_: Sums) -> Option<u32> {
+        None
+    }
 }
 
 /// The fragments that a record stands for.
@@ -112,13 +117,18 @@ impl Mix for Integers {
     }
 
     #[inline]
-    fn word([rg, ba, log]: Sums) -> u32 {
+    fn word(sums: Sums) -> u32 {
+        Self::exact(sums).unwrap_or(u32::MAX)
+    }
+
+    #[inline]
+    fn exact([rg, ba, log]: Sums) -> Option<u32> {
         if high(log) != 1 {
-            return u32::MAX;
+            return None;
         }
         let a = high(ba);
         let byte = |sum: u32| sum.checked_div(a).unwrap_or(0) as u8;
-        u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8])
+        Some(u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8]))
     }
 }
 
