@@ -15,7 +15,7 @@ use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, Merging, merging};
 use crate::fragment::{Fragment, data_of, depth_of};
-use crate::memory::{Global, Inputs, Layout, Memory, Plain, Words};
+use crate::memory::{Global, Inputs, Inside, Layout, Memory, Plain, Words};
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
 use crate::scheme::parts::ranges;
@@ -78,19 +78,19 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn clear_frame<Mem: Memory>(&self, mem: &Mem) {
-        self.store.clear_frame(mem).await;
+        self.store.clear_frame(&Inside::<_, Self>::new(mem)).await;
     }
 
     async fn clear<Mem: Memory>(&self, mem: &Mem, pixel: u32) {
-        self.store.clear(mem, pixel).await;
+        self.store.clear(&Inside::<_, Self>::new(mem), pixel).await;
     }
 
     async fn prepare<Mem: Memory>(&self, mem: &Mem, pass: usize, fragment: Fragment) {
-        self.store.prepare(mem, pass, fragment).await;
+        self.store.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
     }
 
     async fn screen<Mem: Memory>(&self, mem: &Mem, pass: usize, pixel: u32) {
-        self.store.screen(mem, pass, pixel).await;
+        self.store.screen(&Inside::<_, Self>::new(mem), pass, pixel).await;
     }
 
     fn invocations(&self, pass: usize) -> u32 {
@@ -98,7 +98,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn frame<Mem: Memory>(&self, mem: &Mem, pass: usize, index: u32) {
-        self.store.frame(mem, pass, index).await;
+        self.store.frame(&Inside::<_, Self>::new(mem), pass, index).await;
     }
 
     /// Whatever it is merged with later, a fragment is stored: resolve counts what it merges.
@@ -120,7 +120,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
-        let range = self.store.range(mem, pixel).await;
+        let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
         let mut thick = Vec::new();
         for record in range {
             let key = mem.plain_load(self.store.records().at(record)).await;

@@ -127,7 +127,9 @@ impl Mix for Integers {
             return None;
         }
         let a = high(ba);
-        let byte = |sum: u32| sum.checked_div(a).unwrap_or(0) as u8;
+        // Every sum is a times a byte c, and the scale at most 1 above 2^24 / a: the product is c 2^24 and at most 65,025.
+        let scale = (1u32 << 24).checked_div(a).map_or(0, |scale| scale + 1);
+        let byte = |sum: u32| (u64::from(sum) * u64::from(scale) >> 24) as u8;
         Some(u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8]))
     }
 }
@@ -227,5 +229,22 @@ impl Mix for Bytes {
 
     fn word(sums: Sums) -> u32 {
         low(sums[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_of_one_fragment_is_that_fragment() {
+        let logarithms = logarithms();
+        for (a, c) in (0..=255u8).flat_map(|a| (0..=255u8).map(move |c| (a, c))) {
+            let data = u32::from_le_bytes([c, 255 - c, c / 2, a]);
+            let sums = Integers::one(data, &logarithms);
+            let word = if a > 0 { data } else { 0 };
+            assert_eq!(Integers::exact(sums), Some(word), "{data:x}");
+            assert_eq!(Integers::exact(Integers::mix(sums, sums)), None);
+        }
     }
 }
