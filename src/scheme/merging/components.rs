@@ -5,6 +5,8 @@
 //! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
 //! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
 
+use std::cmp::Ordering;
+
 use super::sums::{Logarithms, Mix, Sums};
 use super::{Merging, sums};
 use crate::fragment::key;
@@ -44,16 +46,17 @@ impl Merged {
         }
     }
 
-    /// What comes first is nearer: by depth, then by colour word, then by the near end.
+    /// What comes first is nearer: by depth, then by colour word, then by the near end. Colour words are made only
+    /// where depths are equal.
     #[inline]
     #[must_use]
-    pub fn order<M: Mix>(&self) -> (u32, u32, u32) {
-        (self.depth, M::word(self.sums), self.near)
+    pub fn order<M: Mix>(&self, other: &Self) -> Ordering {
+        let rest = |merged: &Self| (M::word(merged.sums), merged.near);
+        self.depth.cmp(&other.depth).then_with(|| rest(self).cmp(&rest(other)))
     }
 
     /// As it leaves the method.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "once for every record")]
+    #[inline]
     #[must_use]
     pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
         let Self { near, depth, sums } = *self;
@@ -94,7 +97,7 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
     all.extend(
         slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone::<M>(logarithms)),
     );
-    all.sort_by_key(Merged::order::<M>);
+    all.sort_by(Merged::order::<M>);
     all
 }
 
@@ -118,7 +121,8 @@ pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
 }
 
 /// Add a record as it leaves a method, and count the fragments merged into it.
-#[inline]
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "once for every record")]
 pub fn add<M: Mix>(records: &mut Records, merged: &Merged, merging: &Merging) {
     match M::exact(merged.sums) {
         Some(word) if merged.near >= merged.depth => {
