@@ -28,7 +28,7 @@ pub fn merged(words: &[u64]) -> Option<Vec<Merged>> {
 #[must_use]
 pub fn held(all: &[Merged], distances: &Distances) -> Records {
     let mut records = records::<Integers>(all, distances);
-    records.list.sort_unstable();
+    records.sort();
     records
 }
 

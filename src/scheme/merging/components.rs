@@ -5,8 +5,10 @@
 //! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
 //! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
 
-use super::sums;
-use super::sums::{Logarithms, Mix, Sums};
+use std::cmp::Ordering;
+
+use super::sums::{self, Logarithms, Mix, Sums};
+use crate::fragment::key;
 use crate::num::planes::Distances;
 use crate::scheme::{Record, Records};
 
@@ -44,16 +46,17 @@ impl Merged {
         }
     }
 
-    /// What comes first is nearer: by depth, then by colour word, then by the near end.
+    /// What comes first is nearer: by depth, then by colour word, then by the near end. Colour words are made only
+    /// where depths are equal.
     #[inline]
     #[must_use]
-    pub fn order<M: Mix>(&self) -> (u32, u32, u32) {
-        (self.depth, M::word(self.sums), self.near)
+    pub fn order<M: Mix>(&self, other: &Self) -> Ordering {
+        let rest = |merged: &Self| (M::word(merged.sums), merged.near);
+        self.depth.cmp(&other.depth).then_with(|| rest(self).cmp(&rest(other)))
     }
 
     /// As it leaves the method.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "once for every record")]
+    #[inline]
     #[must_use]
     pub fn record<M: Mix>(&self, distances: &Distances) -> Record {
         let Self { near, depth, sums } = *self;
@@ -71,7 +74,9 @@ impl Stored {
         Merged { near: self.near, depth: self.depth, sums }
     }
 
-    fn is_thick(&self) -> bool {
+    /// It is no surface: it may overlap others.
+    #[must_use]
+    pub fn is_thick(&self) -> bool {
         self.near < self.depth
     }
 }
@@ -93,7 +98,7 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
     all.extend(
         slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone::<M>(logarithms)),
     );
-    all.sort_by_key(Merged::order::<M>);
+    all.sort_by(Merged::order::<M>);
     all
 }
 
@@ -102,8 +107,8 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
 pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
     let k = k as usize;
     if all.len() > k {
-        let rest: Vec<Merged> = all.drain(k - 1..).collect();
-        all.extend(rest.into_iter().reduce(Merged::with::<M>));
+        let rest = all.drain(k - 1..).reduce(Merged::with::<M>);
+        all.extend(rest);
     }
     all
 }
@@ -117,9 +122,15 @@ pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
 }
 
 /// Add a record as it leaves a method, and count the fragments merged into it.
-#[inline]
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "once for every record")]
 pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
-    records.list.push(merged.record::<M>(distances));
+    match M::exact(merged.sums) {
+        Some(word) if merged.near >= merged.depth => {
+            records.surfaces.push(key(merged.depth, word));
+        }
+        _ => records.list.push(merged.record::<M>(distances)),
+    }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 

@@ -220,7 +220,7 @@ impl<K: Kind> SkbOfm<K> {
                 let [one, other] = [i, farthest];
                 let one = merged(self.get(mem, pixel, one).await);
                 let other = merged(self.get(mem, pixel, other).await);
-                farther = one.order::<K::Mix>() > other.order::<K::Mix>();
+                farther = one.order::<K::Mix>(&other).is_gt();
             }
             if farther {
                 (farthest, first, second) = (i, depth, first);
@@ -242,7 +242,7 @@ impl<K: Kind> SkbOfm<K> {
             count += 1;
         } else {
             let record = merged(self.get(mem, pixel, farthest).await);
-            let nearer = own.order::<K::Mix>() < record.order::<K::Mix>();
+            let nearer = own.order::<K::Mix>(&record).is_lt();
             if K::TAIL == Tail::NotEvicting || !nearer {
                 return Some(own);
             }
