@@ -7,12 +7,12 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
-use super::compact::Compact;
 use super::table::TableWords;
 use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
 use crate::memory::Counters;
 use crate::raster::Grid;
+use crate::resolve::compact::Compact;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Kept, Lists};
 use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, exact};
@@ -180,7 +180,7 @@ impl<'a> Finisher<'a> {
         self.surfaces(keys, generated, gone, 0);
     }
 
-    /// Fragments alone; others may have been merged into what is gone from the pixel.
+    /// Surfaces of one fragment each, and how many fragments were merged into others.
     #[inline]
     fn surfaces(&mut self, keys: &mut [u64], generated: u32, gone: u32, merged: u32) {
         self.job.sort.run(keys);

@@ -129,7 +129,7 @@ impl Mix for Integers {
         let a = high(ba);
         // Every sum is a times a byte c, and the scale at most 1 above 2^24 / a: the product is c 2^24 and at most 65,025.
         let scale = (1u32 << 24).checked_div(a).map_or(0, |scale| scale + 1);
-        let byte = |sum: u32| (u64::from(sum) * u64::from(scale) >> 24) as u8;
+        let byte = |sum: u32| ((u64::from(sum) * u64::from(scale)) >> 24) as u8;
         Some(u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8]))
     }
 }

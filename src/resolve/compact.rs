@@ -37,10 +37,9 @@ impl Compact {
     /// Copy the records from number `first` on, as many as `out` takes.
     pub fn copy(&self, first: usize, out: &mut [Record]) {
         for (out, &key) in out.iter_mut().zip(&self.keys[first..]) {
-            *out = match depth_of(key) {
-                EMPTY => self.records[data_of(key) as usize],
-                _ => Record::of_key(key),
-            };
+            let merged =
+                if depth_of(key) == EMPTY { self.records.get(data_of(key) as usize) } else { None };
+            *out = merged.copied().unwrap_or_else(|| Record::of_key(key));
         }
     }
 }
