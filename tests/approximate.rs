@@ -306,6 +306,8 @@ fn mbt_of_one_and_two_layers() {
             let t = [libm::exp(-a / 4.0), libm::exp(-a - b / 4.0)];
             let [(c1, a1), (c2, a2)] = [rgba(&two[0]), rgba(&two[1])];
             let [w1, w2] = [a1 * t[0], a2 * t[1]];
+            // The share of the absorbance is off by the bias: more of it makes more difference.
+            let bound = bound * f64::max(1.0, a + b);
             let through = libm::exp(-a - b);
             let [r, g, b] =
                 [0, 1, 2].map(|i| (c1[i] * w1 + c2[i] * w2) / (w1 + w2) * (1.0 - through));
@@ -743,7 +745,7 @@ fn very_many_layers() {
             // By depth alone, all of one depth see themselves; of distinct ones, faint samples are few.
             let few = name.starts_with("stochastic") && what == "faint";
             let least = if dark {
-                0.2
+                0.1
             } else if few {
                 0.0
             } else {
