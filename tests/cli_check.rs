@@ -149,7 +149,7 @@ fn claims_are_listed_and_recomputed() {
     let claims = dir.run("claims --json").json();
     let ids: Vec<&str> =
         claims.as_array().unwrap().iter().map(|c| c["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, (1..=16).map(|i| format!("C{i}")).collect::<Vec<_>>());
+    assert_eq!(ids, (1..=17).map(|i| format!("C{i}")).collect::<Vec<_>>());
     for claim in claims.as_array().unwrap() {
         assert!(claim.get("verdict").is_none(), "verdicts are computed, never written down");
     }

@@ -111,7 +111,7 @@ fn contrast_rises_with_beta() {
 
 #[test]
 fn absorbance_has_the_steps_of_groups() {
-    confirms("merge-fig13", 0, 4);
+    confirms("merge-fig13", 0, 5);
 }
 
 #[test]

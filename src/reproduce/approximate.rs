@@ -178,7 +178,7 @@ pub(super) fn gallery(scale: &Scale) -> Result<Outcome> {
         let maps: Vec<(&str, Image)> = maps.collect::<Result<_>>()?;
         let maps: Vec<(&str, &Image)> = maps.iter().map(|(name, map)| (*name, map)).collect();
         for (part, maps) in maps.chunks(5).enumerate() {
-            let title = format!("{name}: FLIP, from 0 (gray) to 1");
+            let title = format!("{name}: FLIP, from 0, black, to 1");
             pictures.push((format!("{name}-errors-{}", part + 1), row::compose(&title, maps)));
         }
     }
