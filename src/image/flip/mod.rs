@@ -2,9 +2,9 @@
 //! 0 (nothing) to 1 (green against blue). Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020, *FLIP: A
 //! Difference Evaluator for Alternating Images*.
 //!
-//! * Colour. Both pictures go from sRGB to an opponent space, YCxCz, where each channel is blurred as the eye blurs it at
+//! * Colour. Both pictures go from sRGB to an opponent space, `YCxCz`, where each channel is blurred as the eye blurs it at
 //!   a distance (contrast sensitivity); back to linear RGB, clamped to 0..1, and on to L\*a\*b\*, with chroma scaled by
-//!   0.01 L\* (Hunt effect). The distance is HyAB, |ΔL| + |(Δa, Δb)|, raised to 0.7. With m that of green and blue, the
+//!   0.01 L\* (Hunt effect). The distance is `HyAB`, |ΔL| + |(Δa, Δb)|, raised to 0.7. With m that of green and blue, the
 //!   error rises in a line from 0 to 0.95 at 0.4 m, and in another to 1 at m.
 //! * Features. Of (Y + 16) / 116, edges are the lengths of its first derivatives, points of its second ones, both by
 //!   derivatives of one Gaussian whose positive and negative weights sum up to 1 each. The error is the larger of the
