@@ -211,7 +211,7 @@ fn maps_of_errors_have_one_scale() {
 }
 
 fn image(bytes: &[u8]) -> Vec<[u8; 4]> {
-    fragloom::image::png::decode(std::io::Cursor::new(bytes), 16_384).unwrap().pixels
+    fragloom::image::png::decode(std::io::Cursor::new(bytes), 16_384).expect("a picture").pixels
 }
 
 #[test]

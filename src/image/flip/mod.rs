@@ -262,14 +262,15 @@ mod tests {
         let case = &cases()[0];
         let [a, b] = &case.pictures;
         let rows = [0, a.height as usize];
-        let by = |spoil: fn(&mut Eye)| {
+        type Spoil = fn(&mut Eye);
+        let by = |spoil: Spoil| {
             let mut eye = Eye::new(PAPER);
             spoil(&mut eye);
             let [a, b] = [eye.sees(a, rows), eye.sees(b, rows)];
             mean(&a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).collect::<Vec<_>>())
         };
         assert!((by(|_| ()) - case.flip).abs() < BOUND);
-        let faults: [(&str, fn(&mut Eye)); 5] = [
+        let faults: [(&str, Spoil); 5] = [
             ("no edges", |eye| eye.edge.fill(0.0)),
             ("no points", |eye| eye.point.fill(0.0)),
             ("a shifted edge", |eye| eye.edge.rotate_left(1)),
