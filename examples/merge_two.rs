@@ -34,7 +34,7 @@ fn merged(fragments: &[u64]) -> Records {
         let nearest = list.remove(0);
         list[0] = over(&nearest, &list[0]);
     }
-    Records { list, merged }
+    Records::of(list, merged)
 }
 
 /// One record in front of another, as one: colours are premultiplied, so what is behind is weighted by 1 minus the

@@ -169,7 +169,7 @@ fn claims_are_listed_and_recomputed() {
     let (code, c11) = rows(&dir, "check --claim C11 -n 3 --memory-model sc");
     let verdicts: Vec<&Value> = c11.iter().map(|row| &row["verdict"]).collect();
     assert_eq!((code, verdicts), (1, vec![&"verified".into(), &"violated".into()]));
-    dir.run("check --claim C17").is_error(&["--claim", "C17", "C16"]);
+    dir.run("check --claim C18").is_error(&["--claim", "C18", "C17"]);
 }
 
 #[test]

@@ -55,6 +55,7 @@ fn bad_input_is_one_line() {
         ("crosscheck --litmus --repeats 0", &["--repeats:", "at least 1"]),
         ("crosscheck missing.obj", &["missing.obj"]),
         ("bench --repeats 0", &["--repeats:", "1 to 1000"]),
+        ("bench --thickness thin", &["--thickness:", "\"thin\"", "10x"]),
         ("bench -m nonsense", &["-m:", "nonsense"]),
         ("bench --adapter any", &["--gpu"]),
         ("bench missing.obj", &["missing.obj"]),

@@ -7,7 +7,7 @@ use fragloom::exec::one_pixel::OnePixel;
 use fragloom::fragment::Fragment;
 use fragloom::num::depth::{FARTHEST, Format};
 use fragloom::num::orders::orders;
-use fragloom::num::planes::Planes;
+use fragloom::num::planes::{Distances, Planes};
 use fragloom::render::{Exec, Kept, Options, Policy, reference};
 use fragloom::scene::{Scene, Thickness};
 use fragloom::scheme::merging::slab::{OPAQUE, Slab, Visibility, merge_sorted};
@@ -629,8 +629,8 @@ fn an_object_has_its_own_thickness() {
 fn distances_follow_the_format() {
     let planes = Planes { near: 1.0, far: 9.0, parallel: true };
     for format in Format::ALL {
-        let merging = Merging { planes, format, ..Merging::default() };
-        let along = merging.along(format.encode(1 << 31));
+        let distances = Distances { planes, format };
+        let along = distances.along(format.encode(1 << 31));
         assert!((along - 5.0).abs() < 1e-6, "{format:?} {along}");
     }
 }

@@ -8,6 +8,13 @@ use crate::scheme::a_buffer::ab_ll_double::{self, AbDoubleList};
 use crate::scheme::a_buffer::ab_ll_paged::{self, AbPagedList};
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
+use crate::scheme::approximate::adaptive::{self, Adaptive};
+use crate::scheme::approximate::hybrid::{self, Hybrid};
+use crate::scheme::approximate::mbt::{self, Mbt};
+use crate::scheme::approximate::mlab::{self, Mlab};
+use crate::scheme::approximate::stochastic::{self, Stochastic, StochasticDepth};
+use crate::scheme::approximate::unsorted::BlendUnsorted;
+use crate::scheme::approximate::wboit::{self, Wboit};
 use crate::scheme::culling::occupancy::{self, Occupancy};
 use crate::scheme::hash_table::ha::{self, Bits32, Bits64, HaBuffer};
 use crate::scheme::hash_table::ha_cull::{self, HaCull};
@@ -95,6 +102,21 @@ catalogue! {
         SkbOfm,
         SkbOfm<skb_ofm::Published>,
         SkbOfm<skb_ofm::Released>,
+        Wboit,
+        wboit::PublishedF32,
+        Mbt,
+        mbt::PublishedF32,
+        Mlab,
+        Adaptive,
+        Adaptive<adaptive::Over>,
+        Adaptive<adaptive::KeepsLast>,
+        Hybrid,
+        Hybrid<hybrid::Product>,
+        Hybrid<hybrid::ByArrival>,
+        Stochastic,
+        Stochastic<stochastic::PlainMean>,
+        StochasticDepth,
+        BlendUnsorted,
     }
     faults {
         ZBuffer<z_buffer::ClearedToFarPlane>,
@@ -174,6 +196,13 @@ catalogue! {
         SkbOfm<skb_ofm::EightBits>,
         SkbOfm<skb_ofm::FirstOnly>,
         SkbOfm<skb_ofm::Closed>,
+        Wboit<wboit::ConstantWeight>,
+        Wboit<wboit::PremultipliedTwice>,
+        Wboit<wboit::EightBits>,
+        Mlab<mlab::OpacitySum>,
+        Mlab<mlab::FartherDepth>,
+        Hybrid<hybrid::TailAlpha>,
+        Stochastic<stochastic::SameSamples>,
     }
 }
 

@@ -215,6 +215,25 @@ pub const MUTATIONS: &[Mutation] = &[
     built_in("squared", "shares of a slab's thickness are squared", &["dfb+sfm@squared"]),
     built_in("mixed-tail", "a sorted tail is mixed, not put behind", &["dfb+sfm@mixed-tail"]),
     built_in(
+        "constant-weight",
+        "a constant weight is left in: colours are gathered without regard to depth",
+        &["wboit@constant-weight"],
+    ),
+    built_in(
+        "premultiplied-twice",
+        "a colour is multiplied by its opacity twice",
+        &["wboit@premultiplied-twice"],
+    ),
+    built_in("eight-bits", "a transmittance is accumulated in 8 bits", &["wboit@eight-bits"]),
+    built_in("opacity-sum", "opacities of merged nodes are added", &["mlab@opacity-sum"]),
+    built_in("farther-depth", "a merged node keeps the farther depth", &["mlab@farther-depth"]),
+    built_in("tail-alpha", "the opacity is left out of the tail's colour", &["hybrid@tail-alpha"]),
+    built_in(
+        "same-samples",
+        "all fragments of a pixel draw the same random numbers",
+        &["stochastic@same-samples"],
+    ),
+    built_in(
         "braces",
         "early culling with the age raised at the end of every iteration, as listed",
         &["ha64-cull@braces"],

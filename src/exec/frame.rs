@@ -1,11 +1,13 @@
 //! The results of executors: tiles of resolved pixels, joined into lists and an image.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
+use super::compact::Compact;
 use super::table::TableWords;
 use crate::fragment::{Data, data_of, depth_of};
 use crate::image::Image;
@@ -13,7 +15,7 @@ use crate::memory::Counters;
 use crate::raster::Grid;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Kept, Lists};
-use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, exact};
+use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -57,7 +59,7 @@ pub enum Column {
     /// Fragments.
     Keys(Vec<u64>),
     /// Merged records.
-    Records(Vec<Record>),
+    Records(Compact),
     /// One colour a pixel.
     Lights(Vec<Light>),
     /// One depth a pixel.
@@ -74,7 +76,7 @@ impl Column {
     fn new(kind: HeldKind) -> Self {
         match kind {
             HeldKind::Fragments => Self::Keys(Vec::new()),
-            HeldKind::Records => Self::Records(Vec::new()),
+            HeldKind::Records => Self::Records(Compact::default()),
             HeldKind::Color => Self::Lights(Vec::new()),
             HeldKind::Depth => Self::Depths(Vec::new()),
         }
@@ -86,13 +88,6 @@ impl Column {
         match self {
             Self::Keys(keys) => keys,
             Self::Records(_) | Self::Lights(_) | Self::Depths(_) => &[],
-        }
-    }
-
-    fn records(&self) -> &[Record] {
-        match self {
-            Self::Records(records) => records,
-            Self::Keys(_) | Self::Lights(_) | Self::Depths(_) => &[],
         }
     }
 }
@@ -161,6 +156,7 @@ impl<'a> Finisher<'a> {
     pub fn reserve(&mut self, generated: &[u32]) {
         if let Column::Records(records) = &mut self.output.column {
             records.reserve(generated.iter().map(|&g| g.min(USUAL) as usize).sum());
+            return;
         }
         let Column::Keys(keys) = &mut self.output.column else { return };
         let first = self.tile * self.job.front.grid.pixels_per_tile();
@@ -173,13 +169,20 @@ impl<'a> Finisher<'a> {
     pub fn pixel(&mut self, held: &mut Held, generated: u32, gone: u32) {
         match held {
             Held::Keys(keys) => self.keys(keys, generated, gone),
-            other => self.other(other, generated, gone),
+            Held::Records(records) => self.records(records, generated, gone),
+            Held::Light(_) | Held::Depth(_) => self.other(held, generated, gone),
         }
     }
 
     /// The next pixel: its fragments in any order, and its counts.
     #[inline]
     pub fn keys(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
+        self.surfaces(keys, generated, gone, 0);
+    }
+
+    /// Fragments alone; others may have been merged into what is gone from the pixel.
+    #[inline]
+    fn surfaces(&mut self, keys: &mut [u64], generated: u32, gone: u32, merged: u32) {
         self.job.sort.run(keys);
         let mut ray = Ray::default();
         for &key in keys.iter() {
@@ -188,26 +191,48 @@ impl<'a> Finisher<'a> {
                 break;
             }
         }
-        if let Column::Keys(all) = &mut self.output.column {
-            all.extend_from_slice(keys);
+        match &mut self.output.column {
+            Column::Keys(all) => all.extend_from_slice(keys),
+            Column::Records(all) => all.surfaces(keys),
+            Column::Lights(_) | Column::Depths(_) => {}
         }
         self.output.colors.push(ray.finish(self.job.background));
         self.output.counts.push(keys.len() as u32);
-        self.output.tally.pixel(generated, gone, keys.len(), 0);
+        self.output.tally.pixel(generated, gone, keys.len(), merged);
     }
 
-    /// Something other than a list of fragments.
-    #[inline(never)]
-    fn other(&mut self, held: &mut Held, generated: u32, gone: u32) {
-        held.sort();
-        let mut ray = Ray::default();
-        let mut listed = 0;
-        match (&*held, &mut self.output.column) {
-            (Held::Records(records), Column::Records(all)) => {
-                records.list.iter().for_each(|record| ray.over_record(record));
-                all.extend_from_slice(&records.list);
-                listed = records.list.len();
+    /// Merged records. Surfaces among them are sorted and composited as fragments are, which gives the same.
+    fn records(&mut self, records: &mut Records, generated: u32, gone: u32) {
+        let Records { list, surfaces, merged } = records;
+        if list.is_empty() {
+            return self.surfaces(surfaces, generated, gone, *merged);
+        }
+        self.job.sort.run(surfaces);
+        list.sort_unstable();
+        let Column::Records(all) = &mut self.output.column else { return };
+        let (mut ray, mut rest) = (Ray::default(), surfaces.as_slice());
+        for record in list.iter().map(Some).chain([None]) {
+            let is_before = |key: u64| record.is_none_or(|record| is_before(key, record));
+            let (before, behind) = rest.split_at(rest.partition_point(|&key| is_before(key)));
+            before.iter().for_each(|&key| ray.over(data_of(key)));
+            all.surfaces(before);
+            rest = behind;
+            if let Some(record) = record {
+                ray.over_record(record);
+                all.record(*record);
             }
+        }
+        let count = list.len() + surfaces.len();
+        self.output.colors.push(ray.finish(self.job.background));
+        self.output.counts.push(count as u32);
+        self.output.tally.pixel(generated, gone, count, *merged);
+    }
+
+    /// A colour or a depth.
+    #[inline(never)]
+    fn other(&mut self, held: &Held, generated: u32, gone: u32) {
+        let mut ray = Ray::default();
+        match (held, &mut self.output.column) {
             (Held::Light(light), Column::Lights(all)) => {
                 ray = Ray::of_light(light);
                 all.push(*light);
@@ -219,8 +244,8 @@ impl<'a> Finisher<'a> {
             _ => {}
         }
         self.output.colors.push(ray.finish(self.job.background));
-        self.output.counts.push(listed as u32);
-        self.output.tally.pixel(generated, gone, held.len(), held.merged());
+        self.output.counts.push(0);
+        self.output.tally.pixel(generated, gone, held.len(), 0);
     }
 
     #[inline]
@@ -240,6 +265,15 @@ impl<'a> Finisher<'a> {
     pub fn finish(mut self, reports: &Tally) -> TileOutput {
         self.output.tally.merge(reports);
         self.output
+    }
+}
+
+/// Whether a surface, as a key, comes before a record in canonical order.
+#[inline]
+fn is_before(key: u64, record: &Record) -> bool {
+    match depth_of(key).cmp(&record.depth) {
+        Ordering::Equal => Record::of_key(key) < *record,
+        order => order == Ordering::Less,
     }
 }
 
@@ -298,11 +332,15 @@ impl Frame {
         let tiles = std::mem::take(&mut self.tiles);
         let (kept, pixels) = match tiles.first().map(|tile| &tile.column) {
             Some(Column::Records(_)) => {
-                let (lists, pixels) = join(&tiles, grid, Column::records);
+                let (lists, pixels) = join(&tiles, grid, |column, first, out| {
+                    if let Column::Records(records) = column {
+                        records.copy(first, out);
+                    }
+                });
                 (Kept::Records(lists), pixels)
             }
             Some(Column::Lights(_)) => {
-                let (_, pixels) = join::<u64>(&tiles, grid, |_| &[]);
+                let (_, pixels) = join::<u64>(&tiles, grid, |_, _, _| ());
                 let light = |column: &Column, i: usize| match column {
                     Column::Lights(lights) => lights[i],
                     _ => Light::default(),
@@ -310,7 +348,7 @@ impl Frame {
                 (Kept::Color(each(&tiles, grid, light)), pixels)
             }
             Some(Column::Depths(_)) => {
-                let (_, pixels) = join::<u64>(&tiles, grid, |_| &[]);
+                let (_, pixels) = join::<u64>(&tiles, grid, |_, _, _| ());
                 let depth = |column: &Column, i: usize| match column {
                     Column::Depths(depths) => depths[i],
                     _ => Depth::default(),
@@ -318,7 +356,9 @@ impl Frame {
                 (Kept::Depths(each(&tiles, grid, depth)), pixels)
             }
             Some(Column::Keys(_)) | None => {
-                let (lists, pixels) = join(&tiles, grid, Column::keys);
+                let (lists, pixels) = join(&tiles, grid, |column, first, out| {
+                    out.copy_from_slice(&column.keys()[first..first + out.len()]);
+                });
                 (Kept::Fragments(lists), pixels)
             }
         };
@@ -326,15 +366,15 @@ impl Frame {
     }
 }
 
-/// Lists and colours, row by row.
+/// Lists and colours, row by row; `copy` reads a column's entries from a place on.
 fn join<T: Copy + Default + Send + Sync>(
     tiles: &[TileOutput],
     grid: &Grid,
-    entries_of: impl Fn(&Column) -> &[T] + Sync,
+    copy: impl Fn(&Column, usize, &mut [T]) + Sync,
 ) -> (Lists<T>, Vec<[u8; 4]>) {
     let (width, height) = (grid.width, grid.height);
     let pixels = width as usize * height as usize;
-    let total: usize = tiles.iter().map(|t| entries_of(&t.column).len()).sum();
+    let total: usize = tiles.iter().map(entries_of).sum();
     let mut offsets = vec![0u64; pixels + 1];
     let mut entries = vec![T::default(); total];
     let mut colors = vec![[0u8; 4]; pixels];
@@ -345,13 +385,13 @@ fn join<T: Copy + Default + Send + Sync>(
     let rows = tiles.chunks(grid.columns() as usize);
     let parts = offsets[1..].chunks_mut(band_pixels).zip(colors.chunks_mut(band_pixels));
     for (row, (offsets, colors)) in rows.zip(parts) {
-        let size = row.iter().map(|t| entries_of(&t.column).len()).sum();
+        let size = row.iter().map(entries_of).sum();
         let (entries, behind) = std::mem::take(&mut rest).split_at_mut(size);
         rest = behind;
         bands.push(Band { row, offsets, colors, entries, first_entry });
         first_entry += size as u64;
     }
-    bands.into_par_iter().for_each(|band| band.fill(grid, &entries_of));
+    bands.into_par_iter().for_each(|band| band.fill(grid, &copy));
     (Lists { width, height, offsets, entries }, colors)
 }
 
@@ -364,8 +404,8 @@ struct Band<'a, T> {
     first_entry: u64,
 }
 
-impl<T: Copy> Band<'_, T> {
-    fn fill(self, grid: &Grid, entries_of: &impl Fn(&Column) -> &[T]) {
+impl<T> Band<'_, T> {
+    fn fill(self, grid: &Grid, copy: &impl Fn(&Column, usize, &mut [T])) {
         let starts: Vec<Vec<u32>> = self.row.iter().map(starts).collect();
         let mut end = 0usize;
         for (i, (offset, color)) in self.offsets.iter_mut().zip(self.colors).enumerate() {
@@ -374,13 +414,17 @@ impl<T: Copy> Band<'_, T> {
             let output = &self.row[tile];
             let start = starts[tile][local] as usize;
             let count = output.counts[local] as usize;
-            let own = &entries_of(&output.column)[start..start + count];
-            self.entries[end..end + count].copy_from_slice(own);
+            copy(&output.column, start, &mut self.entries[end..end + count]);
             end += count;
             *offset = self.first_entry + end as u64;
             *color = output.colors[local];
         }
     }
+}
+
+/// How many entries a tile has.
+fn entries_of(tile: &TileOutput) -> usize {
+    tile.counts.iter().map(|&count| count as usize).sum()
 }
 
 /// Where each pixel's entries begin.

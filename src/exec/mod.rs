@@ -17,6 +17,7 @@
 
 pub mod account;
 pub mod clock;
+pub mod compact;
 pub mod drive;
 pub mod frame;
 pub mod interpret;

@@ -1,5 +1,7 @@
 //! From depths to distances and back: what a camera's two planes say. All of it is f64 in the order written.
 
+use super::depth::Format;
+
 /// The planes of a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes {
@@ -48,6 +50,24 @@ impl Planes {
             (far - (near * far) / along) / (far - near)
         };
         depth.clamp(0.0, 1.0)
+    }
+}
+
+/// How the depth words of a run stand for distances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Distances {
+    /// The camera's planes.
+    pub planes: Planes,
+    /// How depths are stored.
+    pub format: Format,
+}
+
+impl Distances {
+    /// The distance of a depth word along the line of sight, in world units.
+    #[inline]
+    #[must_use]
+    pub fn along(&self, word: u32) -> f64 {
+        self.planes.along(self.format.decode(word))
     }
 }
 

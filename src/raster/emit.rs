@@ -114,7 +114,8 @@ impl FrontEnd {
     ) {
         let primitive = &self.primitives()[packet.primitive as usize];
         let plane = primitive.plane;
-        let slabs = self.slabs.as_ref().map(|slabs| slabs.of(primitive.triangle));
+        let near = self.slabs().map(|slabs| slabs.of(primitive.triangle));
+        let number = if self.is_numbered() { primitive.triangle } else { 0 };
         let (x, y) = (u32::from(packet.column) * 8, u32::from(packet.row) * 8);
         let origin = plane.at(x, y);
         batch.len = 0;
@@ -125,7 +126,7 @@ impl FrontEnd {
             let (dx, dy) = (bit & 7, bit >> 3);
             let code = plane.code(plane.step(origin, dx, dy));
             let depth = format.encode(code);
-            let extra = slabs.map_or(0, |slabs| format.encode(slabs.code(code)));
+            let extra = near.map_or(number, |near| format.encode(near.code(code)));
             let (pixel, data) = (first_pixel + bit, data(x + dx, y + dy, depth));
             batch.push(Fragment { pixel, depth, data, extra });
         }

@@ -13,6 +13,7 @@ use super::shade::{Attenuation, Seen, Surface};
 use super::slab::Slabs;
 use crate::fragment::Packet;
 use crate::num::color;
+use crate::num::planes::Planes;
 use crate::scene::{Disc, Scene, ScreenTriangle};
 
 /// Triangles or discs per parallel chunk.
@@ -40,6 +41,17 @@ impl CullFace {
     }
 }
 
+/// What a fragment's third word is.
+#[derive(Debug)]
+pub(super) enum Third {
+    /// 0, or a rank that the executor gives it.
+    Nothing,
+    /// The near end of its slab: how thick surfaces are.
+    Near(Slabs),
+    /// The number of its triangle.
+    Primitive,
+}
+
 /// A scene's primitives, binned by tile.
 #[derive(Debug)]
 pub struct FrontEnd {
@@ -55,8 +67,10 @@ pub struct FrontEnd {
     backs: Vec<bool>,
     /// By primitive: its corners, if requested.
     outlines: Vec<Polygon>,
-    /// How thick surfaces are, if fragments are to be slabs.
-    pub(super) slabs: Option<Slabs>,
+    /// The third word of fragments.
+    pub(super) third: Third,
+    /// The camera's planes.
+    planes: Planes,
     /// What attenuates the light on its way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
     /// Bin t is `binned[starts[t]..starts[t + 1]]`.
@@ -105,14 +119,35 @@ impl FrontEnd {
     /// Make fragments slabs: their third word is the near end.
     #[must_use]
     pub fn thick(mut self, slabs: Slabs) -> Self {
-        self.slabs = Some(slabs);
+        self.third = Third::Near(slabs);
         self
+    }
+
+    /// Make the third word of fragments the number of their triangle.
+    #[must_use]
+    pub fn numbered(mut self) -> Self {
+        self.third = Third::Primitive;
+        self
+    }
+
+    /// Whether the third word of fragments is the number of their triangle.
+    pub(super) fn is_numbered(&self) -> bool {
+        matches!(self.third, Third::Primitive)
+    }
+
+    /// How depths stand for distances.
+    #[must_use]
+    pub fn planes(&self) -> Planes {
+        self.planes
     }
 
     /// How thick surfaces are, if fragments are slabs.
     #[must_use]
     pub fn slabs(&self) -> Option<&Slabs> {
-        self.slabs.as_ref()
+        match &self.third {
+            Third::Near(slabs) => Some(slabs),
+            Third::Nothing | Third::Primitive => None,
+        }
     }
 
     /// The unit normal of a triangle at a pixel, towards the viewer, in world space; `None` for triangles given in
@@ -161,7 +196,7 @@ impl FrontEnd {
         }
         chunks.push(Chunk::of_screen(&scene.screen, first, target));
         let triangles = u64::from(first) + scene.screen.len() as u64;
-        Self::join(grid, triangles, chunks)
+        Self { planes: scene.camera.planes(), ..Self::join(grid, triangles, chunks) }
     }
 
     fn join(grid: Grid, triangles: u64, chunks: Vec<Chunk>) -> Self {
@@ -188,7 +223,8 @@ impl FrontEnd {
             surfaces,
             backs,
             outlines,
-            slabs: None,
+            third: Third::Nothing,
+            planes: Planes::default(),
             attenuation: None,
             starts,
             binned,

@@ -52,12 +52,6 @@ impl Slabs {
         Self { planes: scene.camera.planes(), spans }
     }
 
-    /// How depths stand for distances.
-    #[must_use]
-    pub fn planes(&self) -> Planes {
-        self.planes
-    }
-
     /// The near end of a triangle's slabs, by depth code.
     #[inline]
     #[must_use]

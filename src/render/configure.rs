@@ -5,20 +5,22 @@ use super::{Options, culling, inputs};
 use crate::error::{Error, Result};
 use crate::exec::{Instance, promise};
 use crate::memory::Inputs;
+use crate::num::planes::Distances;
 use crate::raster::FrontEnd;
 use crate::raster::slab::Slabs;
 use crate::scene::Scene;
 use crate::scheme::Config;
 use crate::scheme::bound::Bound;
-use crate::scheme::contract::{Demand, Keeps};
+use crate::scheme::contract::{Demand, Extra, Keeps};
 use crate::scheme::kplus_buffer::k_variable::MOST_RECORDS;
 
-/// Surfaces get their thickness, if the method's fragments are slabs.
-pub(super) fn thick(front: FrontEnd, scene: &Scene, options: &Options) -> FrontEnd {
-    if !options.method.contract().has_slabs() {
-        return front;
+/// Fragments get the third word that the method asks for.
+pub(super) fn third_word(front: FrontEnd, scene: &Scene, options: &Options) -> FrontEnd {
+    match options.method.contract().extra {
+        Extra::Near => front.thick(Slabs::new(scene, options.thickness)),
+        Extra::Primitive => front.numbered(),
+        Extra::Nothing | Extra::Rank => front,
     }
-    front.thick(Slabs::new(scene, options.thickness))
 }
 
 /// What the method must know of the scene, measured only if needed; the fragments before each tile, and in total; and
@@ -37,7 +39,9 @@ pub(super) fn configure(
         weighting: options.importance.weighting(),
         mask_words: options.cull.unwrap_or(culling::DEFAULT_WORDS),
         grid,
-        merging: options.merging(front),
+        distances: Distances { planes: front.planes(), format: options.record().depth },
+        merging: options.merging(),
+        approximation: options.approximation,
         ..Config::default()
     };
     let (mut config, mut before_tile, mut chosen) = (base, Vec::new(), None);

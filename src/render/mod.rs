@@ -40,7 +40,7 @@ pub use crate::fragment::Data;
 pub use crate::raster::CullFace;
 pub use crate::resolve::{Kept, Lists};
 pub use crate::scheme::hash_table::table::Offsets;
-use configure::{HeldTo, configure, held_to, thick};
+use configure::{HeldTo, configure, held_to, third_word};
 
 pub use budget::{Budget, storage_bytes};
 pub use culling::{CullingReport, DEFAULT_WORDS, keeps_nearest};
@@ -133,7 +133,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
     let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
     let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
-    let front = thick(front, scene, options);
+    let front = third_word(front, scene, options);
     watch.lap("setup");
     let (config, before_tile, chosen) =
         configure(&front, options, options.k.or(contract.default_k))?;
@@ -195,6 +195,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         culling.add_to(&mut report, &executed.frame.tally, options, &job.nearest);
     }
     report.threads = threads;
+    report.nan_pixels = kept.nan_pixels();
     report.image_hash = image.hash();
     report.fragments_hash = kept_hash(&kept);
     watch.lap("hash");
@@ -226,6 +227,9 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     }
     if method.contract().has_slabs() {
         head += &format!(" {} {:?}", options.beta, front.slabs());
+    }
+    if method.contract().keeps.is_approximate() {
+        head += &format!(" {:?}", options.approximation);
     }
     let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
@@ -336,8 +340,10 @@ fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Execut
 fn deterministic(contract: &Contract, tally: &Tally) -> Vec<String> {
     let mut names = vec!["triangles", "degenerate", "generated", "max_depth_complexity"];
     names.extend(["bytes", "passes"]);
-    let merges_by_arrival = contract.keeps == Keeps::Merged && contract.is_arrival_dependent();
-    let open = contract.is_racy() || contract.keeps == Keeps::Visible || merges_by_arrival;
+    // A schedule is an order of arrival, unless an interlock restores that of submission.
+    let by_arrival = contract.is_arrival_dependent() && !contract.is_interlocked();
+    let blends = contract.keeps == Keeps::Merged || contract.keeps.is_approximate();
+    let open = contract.is_racy() || contract.keeps == Keeps::Visible || (by_arrival && blends);
     if !open {
         names.extend(["duplicated", "torn", "merged"]);
         // Which invocation takes a page that others would have filled depends on the order.

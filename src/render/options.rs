@@ -7,10 +7,11 @@ use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::fragment::Data;
 use crate::num::depth;
-use crate::raster::slab::Slabs;
-use crate::raster::{CullFace, FrontEnd, Record};
+use crate::raster::{CullFace, Record};
 use crate::scene::{MAX_SIZE, Thickness};
 use crate::scheme::HeldKind;
+use crate::scheme::approximate::Approximation;
+use crate::scheme::approximate::stochastic::MOST_SAMPLES;
 use crate::scheme::merging::Merging;
 
 use super::culling;
@@ -69,6 +70,8 @@ pub struct Options {
     pub thickness: Thickness,
     /// Where slabs are cut: from optical, 0, to smooth, 1.
     pub beta: f64,
+    /// What methods that approximate take.
+    pub approximation: Approximation,
     /// How hash tables are made.
     pub table: TableOptions,
     /// How a pixel's fragments are sorted.
@@ -101,6 +104,7 @@ impl Default for Options {
             importance: Importance::default(),
             thickness: Thickness::default(),
             beta: 1.0,
+            approximation: Approximation::default(),
             table: TableOptions::default(),
             sort: Sort::default(),
             max_memory: 8 << 30,
@@ -228,6 +232,7 @@ impl Options {
         }
         self.check_records()?;
         self.check_merging()?;
+        self.check_approximation()?;
         culling::check(self)?;
         if ![16, 32, 64].contains(&self.tile) {
             return wrong("--tile", format!("is {}, but must be 16, 32 or 64 pixels", self.tile));
@@ -296,11 +301,22 @@ impl Options {
         Ok(())
     }
 
+    fn check_approximation(&self) -> Result<()> {
+        let Approximation { moments, samples, .. } = self.approximation;
+        if ![4, 6, 8].contains(&moments) {
+            return Err(Error::new("--moments", format!("is {moments}, but must be 4, 6 or 8")));
+        }
+        if !(1..=MOST_SAMPLES).contains(&samples) {
+            let problem = format!("is {samples}, but must be 1 to {MOST_SAMPLES}");
+            return Err(Error::new("--samples", problem));
+        }
+        Ok(())
+    }
+
     /// What merging must know of the run.
-    pub(super) fn merging(&self, front: &FrontEnd) -> Merging {
-        let planes = front.slabs().map(Slabs::planes).unwrap_or_default();
+    pub(super) fn merging(&self) -> Merging {
         let relative = matches!(self.thickness, Thickness::Precision(_));
-        Merging { planes, format: self.record().depth, beta: self.beta, relative }
+        Merging { beta: self.beta, relative }
     }
 
     fn check_effect(&self) -> Result<()> {

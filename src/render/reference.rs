@@ -43,9 +43,9 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
     let all = render(scene, &exact)?.lists()?.clone();
     let grid = Grid { width: all.width, height: all.height, tile: options.tile };
     let kept = promise(scene, options, &grid, |promise, front| {
-        let slabs = slabs(front, options);
-        let generated = |x: u32, y: u32| match slabs.get(grid.pixel(x, y) as usize) {
-            Some(slabs) => slabs.clone(),
+        let whole = whole(front, options);
+        let generated = |x: u32, y: u32| match whole.get(grid.pixel(x, y) as usize) {
+            Some(fragments) => fragments.clone(),
             None => all.pixel(x, y).iter().map(|&key| Fragment::of_key(key)).collect(),
         };
         kept(&generated, &grid, options.method.holds(), promise)
@@ -69,8 +69,8 @@ pub fn promised(
     promise(scene, options, &grid, |promise, front| {
         let pixel = grid.pixel(x, y);
         let per_tile = grid.pixels_per_tile();
-        let fragments = if options.method.contract().has_slabs() {
-            let mut tile = exact::slabs(front, pixel as usize / per_tile, options.record());
+        let fragments = if options.method.contract().has_third_word() {
+            let mut tile = exact::fragments(front, pixel as usize / per_tile, options.record());
             tile.swap_remove(pixel as usize % per_tile)
         } else {
             generated.iter().map(|&key| Fragment::of_key(key)).collect()
@@ -88,7 +88,7 @@ fn promise<T>(
 ) -> Result<T> {
     let k = options.k.or(options.method.contract().default_k);
     let front = FrontEnd::new(scene, *grid, options.sub_pixel_bits, options.cull_face);
-    let front = configure::thick(front, scene, options);
+    let front = configure::third_word(front, scene, options);
     let (config, _, _) = configure(&front, options, k)?;
     let k = config.k;
     let instance = options.method.instance(&config);
@@ -96,13 +96,13 @@ fn promise<T>(
     Ok(ask(&Promise::new(options.method, instance.as_deref(), &inputs, nearest), &front))
 }
 
-/// By storage pixel, its fragments, for a method whose fragments are slabs.
-fn slabs(front: &FrontEnd, options: &Options) -> Vec<Vec<Fragment>> {
-    if !options.method.contract().has_slabs() {
+/// By storage pixel, its fragments, for a method whose fragments have a third word.
+fn whole(front: &FrontEnd, options: &Options) -> Vec<Vec<Fragment>> {
+    if !options.method.contract().has_third_word() {
         return Vec::new();
     }
     let tiles = 0..front.grid.tiles();
-    let of = |tile| exact::slabs(front, tile, options.record());
+    let of = |tile| exact::fragments(front, tile, options.record());
     tiles.into_par_iter().map(of).collect::<Vec<_>>().concat()
 }
 

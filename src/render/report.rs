@@ -99,6 +99,9 @@ pub struct Report {
     pub image_hash: String,
     /// SHA-256 of the resolved lists; `None` where the method gives none.
     pub fragments_hash: Option<String>,
+    /// Pixels whose colour is no number, if the method gives colours; they are drawn black.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nan_pixels: Option<u64>,
     /// Memory operations by kind.
     pub counters: BTreeMap<String, u64>,
     /// Seconds by phase.

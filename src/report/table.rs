@@ -104,6 +104,8 @@ fn facts(report: &Report) -> String {
         ["memory".to_owned(), memory],
         ["geometry passes".to_owned(), passes(report)],
     ];
+    let nan = report.nan_pixels.filter(|&nan| nan > 0);
+    rows.extend(nan.map(|nan| ["no number".to_owned(), format!("{} pixels", thousands(nan))]));
     rows.extend(report.budget.as_ref().map(budget));
     rows.extend(report.importance.as_ref().map(importance));
     rows.extend(report.culling.as_ref().map(culling));

@@ -5,6 +5,8 @@
 //! counted (probes, atomic operations, ages, bytes) is the same everywhere; seconds are this machine's, and only their
 //! trend is comparable.
 
+mod approximate;
+mod bundled;
 mod ha_figures;
 mod ha_memory;
 mod importance;
@@ -248,6 +250,12 @@ pub const EXPERIMENTS: &[Experiment] = &[
         paper: "z-thickness 2021, Figure 17",
         about: "ambient occlusion and depth of field over merged layers",
         run: merge::screen::effects,
+    },
+    Experiment {
+        name: "approximate",
+        paper: "McGuire 2013, Münstermann 2018, Salvi 2011 and 2014, Maule 2013, Enderton 2010",
+        about: "all approximations on four scenes: errors, time and memory, and the papers' rankings",
+        run: approximate::gallery,
     },
 ];
 

@@ -68,6 +68,16 @@ impl Kept {
         }
     }
 
+    /// How many pixels' colours are no number, if it is colours.
+    #[must_use]
+    pub fn nan_pixels(&self) -> Option<u64> {
+        let is_nan = |light: &&Light| light.color.iter().any(|c| c.is_nan());
+        match self {
+            Self::Color(pixels) => Some(pixels.iter().filter(is_nan).count() as u64),
+            Self::Fragments(_) | Self::Records(_) | Self::Depths(_) => None,
+        }
+    }
+
     /// The lists of fragments, if it is those.
     #[must_use]
     pub fn fragments(&self) -> Option<&Lists> {

@@ -23,7 +23,7 @@ pub struct Contract {
     /// What runs between clear and resolve.
     pub program: Program,
     /// Words of 4 bytes per pixel: a sum of products of numbers and of k (`-k`), n (slots: the largest depth complexity,
-    /// or `-k`) and d (words of an occupancy mask).
+    /// or `-k`), d (words of an occupancy mask), m (moments) and s (samples).
     pub words: &'static str,
     /// Words of 4 bytes for the frame: as above, with F (fragments of a geometry pass), S (the sum of min(f, k) over
     /// pixels), M (records to divide among pixels), P (pixels), G (blocks of 64 pixels), H (64 such blocks), Q (pages), C (cells of the hash table) and B
@@ -162,6 +162,8 @@ pub enum Extra {
     Rank,
     /// The near end of its slab, as a depth word: the depth itself, or nearer by the thickness.
     Near,
+    /// The number of its triangle, in API order.
+    Primitive,
 }
 
 /// Which form of a method this is.
@@ -374,6 +376,12 @@ impl Contract {
     #[must_use]
     pub const fn has_slabs(&self) -> bool {
         matches!(self.extra, Extra::Near)
+    }
+
+    /// What its fragments have besides depth and data is their own, whatever the order of arrival.
+    #[must_use]
+    pub const fn has_third_word(&self) -> bool {
+        matches!(self.extra, Extra::Near | Extra::Primitive)
     }
 
     /// The fragments per pixel that the exact reference keeps to be comparable, for a run with the given k.

@@ -28,9 +28,9 @@ pub fn tile(front: &FrontEnd, tile: usize, record: Record, k: Option<u32>) -> Ve
     pixels
 }
 
-/// The same with all that is known of a fragment: the near ends of slabs, too.
+/// The same with all that is known of a fragment: the third word, too.
 #[must_use]
-pub fn slabs(front: &FrontEnd, tile: usize, record: Record) -> Vec<Vec<Fragment>> {
+pub fn fragments(front: &FrontEnd, tile: usize, record: Record) -> Vec<Vec<Fragment>> {
     let mut pixels = collect(front, tile, record, |fragment| fragment);
     pixels.iter_mut().for_each(|fragments| fragments.sort_unstable());
     pixels

@@ -2,6 +2,9 @@
 
 use std::cmp::Ordering;
 
+use crate::fragment::{data_of, depth_of};
+use crate::num::ray::Ray;
+
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
 pub type Keys = Vec<u64>;
 
@@ -23,9 +26,26 @@ pub struct Record {
 pub struct Records {
     /// In any order.
     pub list: Vec<Record>,
+    /// More of them, in any order: surfaces of one fragment each, as keys with colour words. They are cheaper to sort,
+    /// to composite and to keep.
+    pub surfaces: Keys,
     /// Fragments that went into another record during resolve: those that no store invocation has reported as
     /// [`Outcome::Merged`](super::Outcome).
     pub merged: u32,
+}
+
+impl Records {
+    /// Records of a list alone.
+    #[must_use]
+    pub fn of(list: Vec<Record>, merged: u32) -> Self {
+        Self { list, surfaces: Keys::new(), merged }
+    }
+
+    /// Put all of them into the list, in canonical order.
+    pub fn sort(&mut self) {
+        self.list.extend(self.surfaces.drain(..).map(Record::of_key));
+        self.list.sort_unstable();
+    }
 }
 
 /// A pixel's colour, where no list is left. Two are equal if their bits are.
@@ -81,6 +101,13 @@ impl Record {
         Self { depth, thickness: 0.0, rgba, weight: 1.0 }
     }
 
+    /// One fragment as a surface: a key with a colour word.
+    #[inline]
+    #[must_use]
+    pub fn of_key(key: u64) -> Self {
+        Self::surface(depth_of(key), data_of(key))
+    }
+
     /// Its colour as a straight-alpha RGBA8 word, rounded.
     #[must_use]
     pub fn color(&self) -> u32 {
@@ -88,6 +115,18 @@ impl Record {
         let [r, g, b, a] = self.rgba;
         let straight = |c: f64| if a > 0.0 { byte(c / a) } else { 0 };
         u32::from_le_bytes([straight(r), straight(g), straight(b), byte(a)])
+    }
+}
+
+/// All light of a ray.
+const ALL: f64 = 65_535.0;
+
+impl Ray {
+    /// The colour and transmittance so far.
+    #[must_use]
+    pub fn light(&self) -> Light {
+        let color = self.color.map(|c| f64::from(c) / ALL);
+        Light { color, transmittance: f64::from(self.transmittance) / ALL, kept: 0 }
     }
 }
 
@@ -246,6 +285,7 @@ impl Held {
             Self::Keys(keys) => keys.clear(),
             Self::Records(records) => {
                 records.list.clear();
+                records.surfaces.clear();
                 records.merged = 0;
             }
             Self::Light(light) => *light = Light::default(),
@@ -263,6 +303,7 @@ impl Held {
             (Self::Keys(keys), Self::Keys(mut more)) => keys.append(&mut more),
             (Self::Records(records), Self::Records(mut more)) => {
                 records.list.append(&mut more.list);
+                records.surfaces.append(&mut more.surfaces);
                 records.merged += more.merged;
             }
             (own, other) => *own = other,
@@ -273,7 +314,7 @@ impl Held {
     pub fn sort(&mut self) {
         match self {
             Self::Keys(keys) => keys.sort_unstable(),
-            Self::Records(records) => records.list.sort_unstable(),
+            Self::Records(records) => records.sort(),
             Self::Light(_) | Self::Depth(_) => {}
         }
     }
@@ -284,7 +325,7 @@ impl Held {
     pub fn len(&self) -> usize {
         match self {
             Self::Keys(keys) => keys.len(),
-            Self::Records(records) => records.list.len(),
+            Self::Records(records) => records.list.len() + records.surfaces.len(),
             Self::Light(light) => light.kept as usize,
             Self::Depth(_) => 0,
         }
@@ -333,7 +374,8 @@ impl std::fmt::Display for Held {
                         r.weight
                     )
                 };
-                records.list.iter().map(entry).collect()
+                let surfaces = records.surfaces.iter().map(|&key| entry(&Record::of_key(key)));
+                records.list.iter().map(entry).chain(surfaces).collect()
             }
             Self::Light(Light { color: [r, g, b], transmittance, .. }) => {
                 return write!(f, "colour {r} {g} {b}, transmittance {transmittance}");
@@ -358,6 +400,18 @@ mod tests {
     }
 
     #[test]
+    fn surfaces_are_records_of_the_list_once_sorted() {
+        let (near, far) = (key(3, 0x8000_FF01), key(5, 0xFF01_80FF));
+        let list = vec![Record { weight: 2.0, ..Record::surface(4, 0x8000_FF01) }];
+        let records = Records { surfaces: vec![far, near], ..Records::of(list.clone(), 1) };
+        let mut held = records.into_held();
+        assert_eq!(held.len(), 3);
+        held.sort();
+        let sorted = vec![Record::of_key(near), list[0], Record::of_key(far)];
+        assert_eq!(held, Records::of(sorted, 1).into_held());
+    }
+
+    #[test]
     fn a_value_of_another_kind_is_replaced() {
         let mut held = HeldKind::Color.empty();
         Keys::of(&mut held).push(key(3, 4));
@@ -377,7 +431,7 @@ mod tests {
     #[test]
     fn rounds_add_up() {
         let mut held = HeldKind::Records.empty();
-        let one = || Records { list: vec![Record::default()], merged: 2 };
+        let one = || Records::of(vec![Record::default()], 2);
         held.append(one().into_held());
         held.append(one().into_held());
         assert_eq!((held.len(), held.merged()), (2, 4));

@@ -13,9 +13,11 @@
 //!
 //! A folder uses only folders before it in this order, and the files beside them (`tests/layering.rs` checks that):
 //!
-//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table` → `culling` → `merging`
+//! `parts` → `a_buffer` → `k_buffer` → `kplus_buffer` → `peeling` → `hash_table` → `culling` → `merging` →
+//! `approximate`
 
 pub mod a_buffer;
+pub mod approximate;
 pub mod bound;
 pub mod contract;
 pub mod course;
@@ -39,6 +41,7 @@ pub use held::{Depth, Held, HeldKind, Holds, Keys, Light, Record, Records};
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};
+use crate::num::planes::Distances;
 use crate::raster::Grid;
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
@@ -62,8 +65,12 @@ pub struct Config {
     pub weighting: kplus_buffer::k_variable::Weighting,
     /// Words of a pixel's occupancy mask, of 32 intervals each; 0 counts as 1.
     pub mask_words: u32,
+    /// How depths stand for distances.
+    pub distances: Distances,
     /// What merging must know of the run.
     pub merging: merging::Merging,
+    /// What approximations must know of the run.
+    pub approximation: approximate::Approximation,
     /// How pixels are numbered, for methods that must know where on the screen they are.
     pub grid: Grid,
     /// How hash tables are made.

@@ -6,14 +6,14 @@ use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::flags::Output;
 use crate::cli::options::importance::culling;
-use crate::cli::options::values;
+use crate::cli::options::{settings, values};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::render::{Data, Exec, Options, render};
 use crate::report::json;
 use crate::report::text::{Align, columns};
-use crate::scene::{self, Overrides, Scene, Shading};
+use crate::scene::{self, Overrides, Scene, Shading, Thickness};
 
 /// Scenes that are timed if none is named.
 const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottles"];
@@ -40,6 +40,10 @@ pub(in crate::cli) struct Args {
     /// Fragments kept per pixel, at least 1 [default: the method's own]
     #[arg(short, value_name = "N", allow_negative_numbers = true)]
     k: Option<u32>,
+
+    /// For methods that merge, how thick surfaces are, as of `fragloom render` [default: 2x]
+    #[arg(long, value_name = "Nx|UNITS", allow_hyphen_values = true)]
+    thickness: Option<String>,
 
     /// Image size in pixels, each edge 1 to 16384 [default: the scene's, else 1024x1024]
     #[arg(long, value_name = "WxH")]
@@ -128,6 +132,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     let methods: Vec<Method> = methods.collect::<Result<_>>()?;
     let scenes: Vec<Scene> =
         named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
+    let thickness = settings::thickness(args.thickness.as_deref())?;
     let mut rows = Vec::new();
     #[cfg(feature = "gpu")]
     let devices = if args.gpu {
@@ -141,9 +146,9 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
             let timed = wait::during(args.output.quiet, &message, || {
                 #[cfg(feature = "gpu")]
                 if args.gpu {
-                    return devices::rows(args, scene, method, &devices);
+                    return devices::rows(args, scene, method, thickness, &devices);
                 }
-                rows_of(args, scene, method)
+                rows_of(args, scene, method, thickness)
             })?;
             rows.extend(timed);
         }
@@ -153,23 +158,35 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     Ok(Verdict::Clean)
 }
 
-fn options(args: &Args, method: Method, exec: Exec, sub_pixel_bits: u32) -> Options {
+fn options(
+    args: &Args,
+    method: Method,
+    exec: Exec,
+    sub_pixel_bits: u32,
+    thickness: Thickness,
+) -> Options {
     Options {
         method,
         k: args.k,
         exec,
         sub_pixel_bits,
+        thickness,
         data: Data::Color,
         counters: false,
         ..Options::default()
     }
 }
 
-fn rows_of(args: &Args, scene: &Scene, method: Method) -> Result<Vec<Timing>> {
+fn rows_of(
+    args: &Args,
+    scene: &Scene,
+    method: Method,
+    thickness: Thickness,
+) -> Result<Vec<Timing>> {
     let words = args.cull.as_deref().map(culling).transpose()?;
     let mut rows = Vec::new();
     for exec in [Exec::Tile, Exec::Threads] {
-        let plain = options(args, method, exec, 8);
+        let plain = options(args, method, exec, 8, thickness);
         let culled = words.map(|words| Options { cull: Some(words), ..plain.clone() });
         let (mut without, mut with) = (Vec::new(), Vec::new());
         for _ in 0..args.repeats {
@@ -289,7 +306,8 @@ mod devices {
     //! Alternating with devices.
 
     use super::{
-        Args, Exec, Method, Result, Scene, TimedFrame, Timing, median, once, options, row,
+        Args, Exec, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once, options,
+        row,
     };
     use crate::gpu::check::crosscheck::find;
     use crate::gpu::check::open::Opened;
@@ -301,15 +319,16 @@ mod devices {
         args: &Args,
         scene: &Scene,
         method: Method,
+        thickness: Thickness,
         devices: &[Opened],
     ) -> Result<Vec<Timing>> {
         let twin = find(method)?;
         let mut rows = Vec::new();
         for opened in devices {
-            let picture = Picture::new(scene, opened.bits());
+            let picture = Picture::new(scene, opened.bits()).thick(scene, thickness);
             let contender = Contender::new(&opened.device, &picture, twin, args.k);
             for exec in [Exec::Tile, Exec::Threads] {
-                let options = options(args, method, exec, opened.bits());
+                let options = options(args, method, exec, opened.bits(), thickness);
                 let mut runs = Vec::new();
                 let mut failed = None;
                 let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {

@@ -55,7 +55,7 @@ pub(in crate::cli) struct Args {
     heat: Option<Heat>,
 
     /// Draw with several values of an option instead, NAME=VALUES like k=1..32 or k=1,2,4,8, and give a table of memory and
-    /// errors; NAME is k, k-average, beta, load or age-limit. A method without that option is drawn once. With -o, write
+    /// errors; NAME is k, k-average, beta, moments, samples, load or age-limit. A method without that option is drawn once. With -o, write
     /// sweep.csv, and the errors against the memory as sweep.svg and sweep.png [default: no sweep]
     #[arg(long, value_name = "NAME=VALUES")]
     sweep: Option<String>,
@@ -82,7 +82,7 @@ enum Heat {
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
-    let methods = methods(catalogue, args)?;
+    let methods = args.drawing.approximation.with_tail(methods(catalogue, args)?)?;
     let reference = catalogue.find("--reference", &args.reference)?;
     let printed = args.measures.printed(&args.output)?;
     let sweep = args.sweep.as_deref().map(|text| Sweep::parse(text, &args.drawing)).transpose()?;

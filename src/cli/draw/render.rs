@@ -72,7 +72,8 @@ pub(in crate::cli) struct Args {
 /// # Errors
 /// Wrong options or scene, or a file that cannot be written.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
-    let method = catalogue.find("-m", &args.method)?;
+    let given = vec![catalogue.find("-m", &args.method)?];
+    let method = args.drawing.approximation.with_tail(given)?[0];
     let mut settings = complete(&args.drawing, method, args.record.is_some())?;
     args.effects.complete(args.drawing.data, &mut settings.options)?;
     settings.warnings.extend(idle(&settings.options));

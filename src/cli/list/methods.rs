@@ -49,7 +49,8 @@ fn stability(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
 }
 
 fn matrix(rows: &[Stability]) -> String {
-    let heading = ["method", "arrival", "at ties", "at overflow", "schedule", "declared", "runs"];
+    let heading =
+        ["method", "arrival", "at ties", "at overflow", "spread", "schedule", "declared", "runs"];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     let word = |seen: bool| if seen { "depends" } else { "-" }.to_owned();
     for row in rows {
@@ -69,13 +70,23 @@ fn matrix(rows: &[Stability]) -> String {
             word(row.arrival),
             word(row.arrival_at_ties),
             overflow,
+            spread(row.spread),
             word(row.schedule),
             format!("{declared}{agrees}"),
             row.runs.to_string(),
         ]);
     }
     let [left, right] = [Align::Left, Align::Right];
-    columns(&[left, left, left, left, left, left, right], &lines)
+    columns(&[left, left, left, left, right, left, left, right], &lines)
+}
+
+/// Two digits, also of what is very small.
+fn spread(spread: f64) -> String {
+    match spread {
+        0.0 => "-".to_owned(),
+        spread if spread < 0.01 => format!("{spread:.1e}"),
+        spread => format!("{spread:.2}"),
+    }
 }
 
 fn table(contracts: &[&Contract]) -> String {

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use super::importance;
+use super::{approximation, importance};
 
 /// Options of every command that draws.
 #[derive(Clone, Debug, Args)]
@@ -94,6 +94,9 @@ pub(in crate::cli) struct Drawing {
     /// For dfb+sfm, how slabs are cut: from 0, strictly optical, to 1, smooth
     #[arg(long, value_name = "B", default_value_t = 1.0, allow_negative_numbers = true)]
     pub(in crate::cli) beta: f64,
+
+    #[command(flatten)]
+    pub(in crate::cli) approximation: approximation::Typed,
 
     /// Size of a hash table: the share of its cells to be filled by fragments, 1 to 100 per cent. It is never smaller
     /// than the image on either axis [default: 50]

@@ -1,5 +1,6 @@
 //! Command-line options, checked and completed.
 
+pub(super) mod approximation;
 pub(super) mod effects;
 pub(super) mod flags;
 pub(super) mod importance;

@@ -55,8 +55,9 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         cull: typed.cull.as_deref().map(importance::culling).transpose()?,
         k_average: typed.importance.k_average,
         importance: typed.importance.complete()?,
-        thickness: typed.thickness.as_deref().map_or(Ok(Thickness::default()), thickness)?,
+        thickness: thickness(typed.thickness.as_deref())?,
         beta: typed.beta,
+        approximation: typed.approximation.complete(),
         table: table(typed)?,
         sort: typed.sort.into(),
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
@@ -64,8 +65,10 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })
 }
 
-pub(in crate::cli) fn thickness(text: &str) -> Result<Thickness> {
-    Thickness::parse(text).map_err(|problem| Error::new("--thickness", problem))
+/// `--thickness`, or its default.
+pub(in crate::cli) fn thickness(typed: Option<&str>) -> Result<Thickness> {
+    let wrong = |problem| Error::new("--thickness", problem);
+    typed.map_or(Ok(Thickness::default()), |text| Thickness::parse(text).map_err(wrong))
 }
 
 fn table(typed: &Drawing) -> Result<TableOptions> {

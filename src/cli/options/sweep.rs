@@ -49,6 +49,22 @@ const PARAMETERS: &[Parameter] = &[
         concerns: |method| method.name.split('@').next() == Some("dfb+sfm"),
     },
     Parameter {
+        name: "moments",
+        range: [4.0, 8.0],
+        whole: true,
+        set: |drawing, value| drawing.approximation.moments = value as u32,
+        is_given: |_| false,
+        concerns: |method| method.base_name() == "mbt",
+    },
+    Parameter {
+        name: "samples",
+        range: [1.0, 64.0],
+        whole: true,
+        set: |drawing, value| drawing.approximation.samples = value as u32,
+        is_given: |_| false,
+        concerns: |method| method.base_name() == "stochastic",
+    },
+    Parameter {
         name: "load",
         range: [1.0, 100.0],
         whole: true,

@@ -120,8 +120,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         return litmus::run(args, &options);
     }
     let sizes = sizes(args)?;
-    let thickness =
-        args.thickness.as_deref().map_or(Ok(Thickness::default()), settings::thickness)?;
+    let thickness = settings::thickness(args.thickness.as_deref())?;
     let named: Vec<String> = match args.scenes.as_slice() {
         [] => SCENES.map(str::to_owned).to_vec(),
         named => named.to_vec(),

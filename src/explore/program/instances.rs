@@ -11,11 +11,14 @@ use crate::fragment::{Data, key};
 use crate::memory::{Declared, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::scheme::Contract;
-use crate::scheme::contract::Keeps;
+use crate::scheme::contract::{Extra, Keeps};
 use crate::scheme::hash_table::table::{Offsets, TableSettings};
 
 /// How many fragments have all patterns of neighbours; more have distinct depths.
 pub const ALL_PATTERNS: u32 = 5;
+
+/// Opacities of fragments whose colours matter: none, some, all of it.
+const ALPHAS: [u32; 4] = [0x00, 0x80, 0xFF, 0x40];
 
 /// How a fragment relates to the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -375,9 +378,11 @@ fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec
             _ if contract.has_slabs() => {
                 data | (0x40 + 0x3F * ((data / 16 + data) % 4)) << 24 | 0x20_4080
             }
+            Some(Data::Color) => data | ALPHAS[((data / 16 + data) % 4) as usize] << 24 | 0x20_4080,
             _ => data,
         };
-        all.push(Entry(pixel, format.encode(code), data, 0));
+        let third = if contract.extra == Extra::Primitive { i as u32 } else { 0 };
+        all.push(Entry(pixel, format.encode(code), data, third));
     }
     all.sort_by_key(|f| key(f.1, f.2));
     all

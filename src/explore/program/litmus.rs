@@ -14,7 +14,7 @@ use crate::scheme::task::Task;
 use crate::scheme::{Config, Contract};
 
 /// A fragment of a small program: its pixel, depth and data; and, of a method with slabs, the thickness in depth words
-/// (0 is a surface).
+/// (0 is a surface), or the number of its triangle, if the method asks for it.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
 )]
@@ -109,11 +109,12 @@ impl Litmus {
     pub fn fragments(&self, contract: &Contract) -> impl Iterator<Item = Fragment> + '_ {
         let extra = contract.extra;
         let all = self.fragments.iter().enumerate();
-        all.map(move |(i, &Entry(pixel, depth, data, thickness))| {
+        all.map(move |(i, &Entry(pixel, depth, data, third))| {
             let extra = match extra {
                 Extra::Nothing => 0,
                 Extra::Rank => self.fragments[..i].iter().filter(|f| f.0 == pixel).count() as u32,
-                Extra::Near => depth.saturating_sub(thickness),
+                Extra::Near => depth.saturating_sub(third),
+                Extra::Primitive => third,
             };
             Fragment { pixel, depth, data, extra }
         })
@@ -140,7 +141,7 @@ impl Litmus {
     #[must_use]
     pub fn sorted(&self, contract: &Contract, pixel: u32) -> Vec<Fragment> {
         let unranked =
-            |f: Fragment| if contract.has_slabs() { f } else { Fragment { extra: 0, ..f } };
+            |f: Fragment| if contract.has_third_word() { f } else { Fragment { extra: 0, ..f } };
         let own = self.fragments(contract).filter(|f| f.pixel == pixel).map(unranked);
         let mut own: Vec<Fragment> = own.collect();
         own.sort_unstable();

@@ -10,7 +10,7 @@ use crate::fragment::Fragment;
 use crate::image::plot::{Curve, GAP, Plot};
 use crate::num::depth::code;
 use crate::num::orders::orders;
-use crate::scheme::merging::Merging;
+use crate::num::planes::Distances;
 use crate::scheme::{Held, Record};
 
 /// More fragments than this are stored in the order in which they are given only.
@@ -65,7 +65,7 @@ pub fn slabs(subject: &Subject, litmus: &Litmus) -> Option<Plot> {
         let arrival: Vec<String> = order.iter().map(|&i| label(i).to_string()).collect();
         let mut curve = Curve::new(&format!("records, arrival {}", arrival.join(" ")));
         for record in &records.list {
-            let near = nearest(&ends, record_near(record, &config.merging));
+            let near = nearest(&ends, record_near(record, &config.distances));
             curve.rectangle([near, record.depth].map(place), [lane, lane + HIGH * record.rgba[3]]);
         }
         curves.push(curve);
@@ -90,8 +90,8 @@ fn near_end(fragment: &Fragment) -> u32 {
 }
 
 /// The depth word of a record's near end, but for rounding: it knows its thickness in world units.
-fn record_near(record: &Record, merging: &Merging) -> u32 {
-    code(merging.planes.depth(merging.along(record.depth) - record.thickness))
+fn record_near(record: &Record, distances: &Distances) -> u32 {
+    code(distances.planes.depth(distances.along(record.depth) - record.thickness))
 }
 
 /// The end that lies nearest.

@@ -40,7 +40,7 @@ enum Wire {
     Scene(SceneToken),
     /// A litmus pixel of a method with inputs, and their words.
     WithInputs(LitmusToken, Vec<Vec<u32>>),
-    /// A litmus pixel whose fragments are slabs: the words of inputs, and every fragment's thickness.
+    /// A litmus pixel whose fragments have a third word: the words of inputs, and every fragment's thickness or number.
     WithSlabs(LitmusToken, Vec<Vec<u32>>, Vec<u32>),
 }
 

@@ -13,6 +13,7 @@ use crate::raster::{FrontEnd, Grid};
 use crate::render::Options;
 use crate::scene::Scene;
 use crate::scheme::Contract;
+use crate::scheme::contract::Extra;
 use rayon::prelude::*;
 
 /// The fragments of one pixel in submission order, as a litmus pixel.
@@ -46,12 +47,16 @@ pub fn cut(
 /// A litmus pixel of some fragments.
 #[must_use]
 pub fn litmus_of(contract: &Contract, fragments: &[Fragment], k: Option<u32>) -> Litmus {
-    let thickness = |f: &Fragment| if contract.has_slabs() { f.depth - f.extra } else { 0 };
+    let third = |f: &Fragment| match contract.extra {
+        Extra::Near => f.depth - f.extra,
+        Extra::Primitive => f.extra,
+        Extra::Nothing | Extra::Rank => 0,
+    };
     Litmus {
         pixels: 1,
         k,
         room: fragments.len() as u32,
-        fragments: fragments.iter().map(|f| Entry(0, f.depth, f.data, thickness(f))).collect(),
+        fragments: fragments.iter().map(|f| Entry(0, f.depth, f.data, third(f))).collect(),
         helpers: 0,
         table: None,
         inputs: Vec::new(),

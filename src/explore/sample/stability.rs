@@ -13,12 +13,13 @@ use crate::catalogue::Catalogue;
 use crate::error::Result;
 use crate::exec::Method;
 use crate::num::random::Random;
-use crate::render::{Exec, Options, Policy, Report, Sim, TableOptions, render};
+use crate::render::{Exec, Kept, Options, Policy, Rendering, Report, Sim, TableOptions, render};
 use crate::scene::{self, Overrides, Scene, Thickness};
-use crate::scheme::contract::Keeps;
+use crate::scheme::Light;
+use crate::scheme::contract::{Extra, Keeps};
 
 /// What was observed of one method.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stability {
     /// The method.
     pub method: &'static str,
@@ -34,6 +35,9 @@ pub struct Stability {
     pub schedule: bool,
     /// Even in sequential execution, some fragments of equal depth were confused or lost.
     pub inexact_at_ties: bool,
+    /// The largest difference that the order of triangles made to a channel of a pixel, 0 to 1: of linear light, if the
+    /// method gives colours, else of the picture.
+    pub spread: f64,
     /// Runs behind this row.
     pub runs: usize,
     /// What its contract says: depends on arrival; is racy.
@@ -90,7 +94,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
     let distinct = scene::load(&format!("synthetic:n={LAYERS},density=100"), &size)?;
     let ties = coplanar(&distinct);
     let k = contract.default_k.map(|_| K);
-    let mut runs = Runs { method, count: 0 };
+    let mut runs = Runs { method, count: 0, spread: 0.0 };
 
     let arrival = runs.orders_differ(&distinct, k, None)?;
     let arrival_at_ties = runs.orders_differ(&ties, k, None)?;
@@ -98,7 +102,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
     // Where -k does not limit the room, three quarters of the bytes do.
     let (slots, budget) = match contract.keeps {
         Keeps::FirstArrivals => (Some(K), None),
-        _ => (k, Some(runs.draw(&distinct, k, None, Exec::Tile)?.bytes / 4 * 3)),
+        _ => (k, Some(runs.draw(&distinct, k, None, Exec::Tile)?.report.bytes / 4 * 3)),
     };
     let arrival_at_overflow = limited && runs.orders_differ(&distinct, slots, budget)?;
 
@@ -106,13 +110,13 @@ pub fn derive_one(method: Method) -> Result<Stability> {
     let mut schedule = false;
     let mut inexact_at_ties = false;
     for (scene, has_ties) in [(&distinct, false), (&ties, true)] {
-        let alone = runs.draw(scene, k, None, Exec::Tile)?;
+        let alone = runs.draw(scene, k, None, Exec::Tile)?.report;
         let confused = wrong(&alone) > 0;
         inexact_at_ties |= has_ties && confused;
         for policy in [Policy::Random, Policy::RoundRobin, Policy::Warp(8), Policy::Pct(3)] {
             for seed in 0..SEEDS {
                 let exec = simulated(policy.clone(), seed);
-                let drawn = runs.draw(scene, k, None, exec)?;
+                let drawn = runs.draw(scene, k, None, exec)?.report;
                 let other = drawn.fragments_hash != alone.fragments_hash;
                 // Fragments confused in any case may be confused in several ways.
                 schedule |= wrong(&drawn) > wrong(&alone) || (confused && other);
@@ -127,6 +131,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
         pooled: contract.keeps != Keeps::FirstArrivals,
         schedule,
         inexact_at_ties,
+        spread: runs.spread,
         runs: runs.count,
         declared: [contract.is_arrival_dependent(), contract.is_racy()],
     })
@@ -135,6 +140,7 @@ pub fn derive_one(method: Method) -> Result<Stability> {
 struct Runs {
     method: Method,
     count: usize,
+    spread: f64,
 }
 
 impl Runs {
@@ -144,7 +150,7 @@ impl Runs {
         k: Option<u32>,
         memory_budget: Option<u64>,
         exec: Exec,
-    ) -> Result<Report> {
+    ) -> Result<Rendering> {
         self.count += 1;
         let options = Options {
             method: self.method,
@@ -164,27 +170,49 @@ impl Runs {
             thickness: Thickness::Precision(1e6),
             ..Options::default()
         };
-        Ok(render(scene, &options)?.report)
+        render(scene, &options)
     }
 
-    /// Whether the kept fragments differ between orders of triangles, one invocation after another.
+    /// Whether what pixels hold differs between orders of triangles, one invocation after another. Where fragments are
+    /// known by their triangle's number, that number must stay: then orders are those of invocations.
     fn orders_differ(
         &mut self,
         scene: &Scene,
         k: Option<u32>,
         memory_budget: Option<u64>,
     ) -> Result<bool> {
-        let result = |report: Report| (report.fragments_hash, report.image_hash);
-        let first = result(self.draw(scene, k, memory_budget, Exec::Tile)?);
+        let first = self.draw(scene, k, memory_budget, Exec::Tile)?;
+        let mut differ = false;
         for seed in 0..ORDERS {
             let mut other = scene.clone();
-            Random::new(seed, 0x0DE5).shuffle(&mut other.screen);
-            let drawn = self.draw(&other, k, memory_budget, Exec::Tile)?;
-            if result(drawn) != first {
-                return Ok(true);
+            let mut exec = Exec::Tile;
+            if self.method.contract().extra == Extra::Primitive {
+                exec = simulated(Policy::Random, seed);
+            } else {
+                Random::new(seed, 0x0DE5).shuffle(&mut other.screen);
             }
+            let drawn = self.draw(&other, k, memory_budget, exec)?;
+            differ |= drawn.kept != first.kept || drawn.image != first.image;
+            self.spread = self.spread.max(spread(&drawn, &first));
         }
-        Ok(false)
+        Ok(differ)
+    }
+}
+
+/// The largest difference of a channel.
+fn spread(a: &Rendering, b: &Rendering) -> f64 {
+    let largest = |apart: &mut dyn Iterator<Item = f64>| apart.fold(0.0, f64::max);
+    match (&a.kept, &b.kept) {
+        (Kept::Color(a), Kept::Color(b)) => {
+            let of = |light: &Light| [light.color.as_slice(), &[light.transmittance]].concat();
+            largest(
+                &mut a.iter().flat_map(of).zip(b.iter().flat_map(of)).map(|(a, b)| (a - b).abs()),
+            )
+        }
+        _ => {
+            let bytes = a.image.pixels.iter().flatten().zip(b.image.pixels.iter().flatten());
+            largest(&mut bytes.map(|(a, b)| f64::from(a.abs_diff(*b)) / 255.0))
+        }
     }
 }
 

@@ -157,7 +157,8 @@ impl<'a> Search<'a> {
             let has_right = states.iter().any(|s| s.0);
             let shown = if has_right { states[0].1 } else { states[1].1 };
             let message = format!("{} different results", outcomes.len());
-            let declared = contract.is_arrival_dependent() && contract.keeps == Keeps::Merged;
+            let blends = contract.keeps == Keeps::Merged || contract.keeps.is_approximate();
+            let declared = contract.is_arrival_dependent() && blends;
             let property = if declared && expected.is_none() {
                 Property::ArrivalFree
             } else {

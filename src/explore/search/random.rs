@@ -17,7 +17,7 @@ use crate::memory::asked::Action;
 use crate::memory::{Declared, Per};
 use crate::num::depth::{FARTHEST, Format};
 use crate::num::random::Random;
-use crate::scheme::contract::Keeps;
+use crate::scheme::contract::{Extra, Keeps};
 use crate::scheme::hash_table::table::{Offsets, TableSettings, size_for_load};
 
 /// The most fragments of an instance.
@@ -250,6 +250,10 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
             _ if contract.keeps == Keeps::Visible => number | [16, 240][number as usize % 2] << 24,
             _ if by_primitive => number,
             _ if contract.has_slabs() => number | (random.below(256) as u32) << 24,
+            Some(Data::Color) => {
+                let alpha = [0, 255, random.below(256) as u32][random.below(3) as usize];
+                number ^ 0x20_4080 | alpha << 24
+            }
             None if random.below(DICTIONARY) == 0 && !constants.is_empty() => {
                 constants[random.below(constants.len() as u64) as usize]
             }
@@ -264,8 +268,10 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
     let mut fragments: Vec<Entry> = fragments
         .map(|(depth, data)| Entry(random.below(u64::from(pixels)) as u32, depth, data, 0))
         .collect();
-    if contract.has_slabs() {
-        thicken(&mut fragments, &mut random);
+    match contract.extra {
+        Extra::Near => thicken(&mut fragments, &mut random),
+        Extra::Primitive => (0..).zip(&mut fragments).for_each(|(i, f)| f.3 = i),
+        Extra::Nothing | Extra::Rank => {}
     }
     let inputs = declared.iter().map(|input| words(input, pixels, &fragments, &mut random));
     let inputs = inputs.collect();

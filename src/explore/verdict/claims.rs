@@ -18,7 +18,7 @@ use crate::explore::search::property::Property;
 /// A published claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Claim {
-    /// C1 to C16.
+    /// C1 to C17.
     pub id: &'static str,
     /// Which paper says so.
     pub paper: &'static str,
@@ -52,6 +52,7 @@ const KPLUS: &str = "Vasilakis, Fudos 2014 (k+-buffer)";
 const IMPORTANCE: &str = "variable k-buffer using importance maps, 2017";
 const HA: &str = "HA-buffer, 2013";
 const CULLING: &str = "occupancy fragment culling, 2014";
+const SUMS: &str = "McGuire 2013, Münstermann 2018, Maule 2013, Enderton 2010; Salvi 2011 and 2014";
 const THICKNESS: &str = "fragment merging with z-thickness";
 
 const RESULT: &[Property] = &[Property::Keeps, Property::Intact];
@@ -66,7 +67,7 @@ const fn claim(
     Claim { id, paper, section, statement, methods, ks: Ks::Planned, properties: RESULT, law: None }
 }
 
-/// C1 to C16.
+/// C1 to C17.
 pub const CLAIMS: &[Claim] = &[
     claim(
         "C1",
@@ -267,6 +268,30 @@ pub const CLAIMS: &[Claim] = &[
             "3.1",
             "surfaces of equal depth blend smoothly: which of them is one depth code nearer makes no difference to speak of",
             &["dfb+sfm", "dfb+ofm", "skb+ofm", "skb+ofm@released", "dfb", "kplus-array"],
+        )
+    },
+    Claim {
+        properties: &[Property::ArrivalFree, Property::OneOutcome, Property::Keeps],
+        ..claim(
+            "C17",
+            SUMS,
+            "the definition of each",
+            "approximate transparency by sums does not depend on the order of arrival: said of weighted blending, of \
+             moments, of a tail's average and of samples; of nodes that are merged or removed, nobody says so",
+            &[
+                "wboit",
+                "mbt",
+                "hybrid",
+                "hybrid@product",
+                "stochastic",
+                "stochastic@plain",
+                "stochastic@depth",
+                "wboit@published-f32",
+                "mbt@published-f32",
+                "mlab",
+                "adaptive",
+                "kplus-array+tail",
+            ],
         )
     },
 ];

@@ -7,7 +7,8 @@ use crate::scheme::Contract;
 /// What to check, and how far.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Fragments, from 1 up to this; `None` is 4 under sequential consistency and 3 otherwise.
+    /// Fragments, from 1 up to this; `None` is 4 under sequential consistency and 3 otherwise, and for methods that
+    /// add up an approximation.
     pub fragments: Option<u32>,
     /// The k to try, for methods that take one.
     pub ks: Vec<u32>,
@@ -47,6 +48,13 @@ pub const MOST_RELAXED: u32 = 4;
 /// The most fragments for progress and reconvergence: three suffice for a lasso.
 pub const MOST_PROGRESS: u32 = 3;
 
+/// Whether it adds up an approximation: many operations, of which few interact. Nodes that depend on arrival take
+/// turns, and need one fragment more to show it.
+fn sums(contract: &Contract) -> bool {
+    let nodes = contract.is_arrival_dependent() && contract.default_k.is_some();
+    contract.keeps.is_approximate() && !nodes
+}
+
 impl Plan {
     /// Progress models for a method. Most methods need invocations that have begun to be scheduled again. A method that
     /// relies on the ordered interlock also needs those before them, which is what the interlock guarantees.
@@ -62,6 +70,7 @@ impl Plan {
         match (self.fragments, memory) {
             // Every update of a cell is a message: a table has many states.
             (n, MemoryModel::Relaxed(_)) if contract.crosses() => n.unwrap_or(2).min(2),
+            (None, MemoryModel::Sequential) if sums(contract) => 3,
             (None, MemoryModel::Sequential) => 4,
             (None, MemoryModel::Relaxed(_)) => 3,
             (Some(n), MemoryModel::Sequential) => n,

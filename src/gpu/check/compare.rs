@@ -7,9 +7,10 @@ use crate::fragment::{data_of, depth_of};
 use crate::gpu::twin::band::Expected;
 use crate::gpu::twin::merged::{Pixel, as_one, held, merged};
 use crate::gpu::twin::resolve::Downloaded;
+use crate::num::planes::Distances;
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::merging::components::Merged;
-use crate::scheme::merging::{Merging, sums};
+use crate::scheme::merging::sums;
 
 /// How a device's result differs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -75,7 +76,7 @@ pub fn compare(
         Differences { fragments: expected.generated.keys.len() as u64, ..Differences::default() };
     if let Some(promised) = &expected.merged {
         for (pixel, right) in promised.pixels.iter().enumerate() {
-            records(&promised.merging, right, got, pixel, &mut sum);
+            records(&promised.distances, right, got, pixel, &mut sum);
         }
         return sum;
     }
@@ -103,7 +104,7 @@ pub fn compare(
 
 /// Compare a pixel's merged records: what they are together, and the records themselves where arrival does not decide.
 fn records(
-    merging: &Merging,
+    distances: &Distances,
     right: &Pixel,
     got: &Downloaded,
     pixel: usize,
@@ -117,7 +118,7 @@ fn records(
     sum.lost += weight(right.all).saturating_sub(weight(all));
     sum.duplicated += weight(all).saturating_sub(weight(right.all));
     let equal = match &right.records {
-        Some(records) => held(&found, merging).list == *records,
+        Some(records) => held(&found, distances).list == *records,
         None => true,
     };
     sum.unsettled += u64::from(right.records.is_none());

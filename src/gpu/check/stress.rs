@@ -18,11 +18,11 @@ use crate::gpu::twin::resolve::resolve;
 use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
+use crate::num::planes::Distances;
 use crate::num::random::Random;
 use crate::raster::{Grid, Record};
 use crate::scheme::contract::Contract;
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::merging::Merging;
 use crate::scheme::{Config, Depth, Held, HeldKind};
 
 /// Copies of a litmus pixel in one picture.
@@ -243,7 +243,7 @@ fn run(
     tally: &mut BTreeMap<Held, u64>,
 ) -> Result<BTreeMap<Held, u64>> {
     let (method, contract) = (program.twin.method, program.shape.contract);
-    let merging = program.shape.config.merging;
+    let distances = program.shape.config.distances;
     let n = litmus.fragments.len() as u32;
     let room = if method.holds() == HeldKind::Records { n * merged::WORDS } else { n };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
@@ -258,7 +258,7 @@ fn run(
             program.run(|function| program.compute(function, &fragments))?;
             let got = resolve(program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let found = held(method.holds(), got.pixel(pixel), &merging);
+                let found = held(method.holds(), got.pixel(pixel), &distances);
                 match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
                     Some(count) => *count += 1,
                     None => *others.entry(found).or_default() += 1,
@@ -270,9 +270,9 @@ fn run(
 }
 
 /// What a device emits for a pixel. A depth is a record without data, or none.
-fn held(kind: HeldKind, words: &[u64], merging: &Merging) -> Held {
+fn held(kind: HeldKind, words: &[u64], distances: &Distances) -> Held {
     match (kind, merged::merged(words)) {
-        (HeldKind::Records, Some(all)) => Held::Records(merged::held(&all, merging)),
+        (HeldKind::Records, Some(all)) => Held::Records(merged::held(&all, distances)),
         (HeldKind::Depth, _) => {
             let depth = words.first().copied().map(depth_of).map(Depth);
             Held::Depth(depth.unwrap_or_default())

@@ -13,6 +13,7 @@ use crate::fragment::{Data, Fragment, data_of, depth_of, key};
 use crate::memory::Inputs;
 use crate::num::color::{srgb, word16};
 use crate::num::depth::Format;
+use crate::num::planes::Distances;
 use crate::num::random::Random;
 use crate::raster::primitive::Rect;
 use crate::raster::slab::Slabs;
@@ -21,7 +22,6 @@ use crate::resolve::composite::Ray;
 use crate::scene::{Scene, Thickness};
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::merging::Merging;
 use crate::scheme::{Config, Depth, Held, exact};
 
 /// Tile edge: small, so that bands can be small.
@@ -204,10 +204,9 @@ impl<'p> Band<'p> {
             records: u64::from(k.unwrap_or(0))
                 * u64::from(self.grid.width)
                 * u64::from(self.grid.height),
-            merging: Merging {
-                planes: self.picture.front.slabs().map(Slabs::planes).unwrap_or_default(),
+            distances: Distances {
+                planes: self.picture.front.planes(),
                 format: contract.depth_format.unwrap_or_default(),
-                ..Merging::default()
             },
             ..Config::default()
         }
@@ -282,7 +281,7 @@ impl<'p> Band<'p> {
         }
         let columns = self.grid.columns() as usize;
         let tiles = self.rows.start * columns..self.rows.end * columns;
-        let slabs = |tile| exact::slabs(&self.picture.front, tile, question.record);
+        let slabs = |tile| exact::fragments(&self.picture.front, tile, question.record);
         let lists: Vec<Vec<Fragment>> = tiles.into_par_iter().map(slabs).flatten_iter().collect();
         merged(&lists, &promise, config)
     }
@@ -292,7 +291,7 @@ impl<'p> Band<'p> {
 fn merged(lists: &[Vec<Fragment>], promise: &Promise<'_>, config: &Config) -> Expected {
     let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
     let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
-    let promised = Promised::new(lists, config.k.unwrap_or(u32::MAX), config.merging, promise);
+    let promised = Promised::new(lists, config.k.unwrap_or(u32::MAX), config.distances, promise);
     Expected {
         generated: Lists::of(&generated),
         kept: Lists::of(&vec![Vec::new(); lists.len()]),

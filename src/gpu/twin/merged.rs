@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::exec::promise::Promise;
 use crate::fragment::Fragment;
-use crate::scheme::merging::Merging;
+use crate::num::planes::Distances;
 use crate::scheme::merging::components::{Merged, Stored, records};
 use crate::scheme::merging::sums::{Integers, logarithms};
 use crate::scheme::{Held, Record, Records};
@@ -26,9 +26,9 @@ pub fn merged(words: &[u64]) -> Option<Vec<Merged>> {
 
 /// Records as the simulator's own method gives them, in canonical order: near ends as distances, and sums as colours.
 #[must_use]
-pub fn held(all: &[Merged], merging: &Merging) -> Records {
-    let mut records = records::<Integers>(all, merging);
-    records.list.sort_unstable();
+pub fn held(all: &[Merged], distances: &Distances) -> Records {
+    let mut records = records::<Integers>(all, distances);
+    records.sort();
     records
 }
 
@@ -56,7 +56,7 @@ pub struct Promised {
     /// By storage pixel.
     pub pixels: Vec<Pixel>,
     /// How whole numbers become records.
-    pub merging: Merging,
+    pub distances: Distances,
 }
 
 impl Promised {
@@ -65,7 +65,7 @@ impl Promised {
     pub fn new(
         generated: &[Vec<Fragment>],
         k: u32,
-        merging: Merging,
+        distances: Distances,
         promise: &Promise<'_>,
     ) -> Self {
         let logarithms = logarithms();
@@ -85,6 +85,6 @@ impl Promised {
             let room = WORDS * k.min(list.len() as u32);
             starts.push(starts.last().map_or(0, |start| start + room));
         }
-        Self { starts, pixels: generated.par_iter().enumerate().map(pixel).collect(), merging }
+        Self { starts, pixels: generated.par_iter().enumerate().map(pixel).collect(), distances }
     }
 }

@@ -1,14 +1,15 @@
 //! Figure 13: how light is absorbed along a ray through many layers in ten groups.
 
 use super::quality::HUNDREDFOLD;
-use super::{DFB, How, Measured, SHEETS, SKB, columns, load, viewer};
+use super::{DFB, How, MBT, Measured, SHEETS, SKB, columns, load, viewer};
 use crate::error::Result;
-use crate::fragment::{data_of, depth_of};
+use crate::fragment::{Fragment, data_of, depth_of};
+use crate::num::planes::Distances;
 use crate::render::{Kept, Rendering};
 use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::scheme::Record;
-use crate::scheme::merging::Merging;
+use crate::scheme::approximate::mbt::absorbed;
 
 /// Layers farther apart than this are of different groups: sheets are 0.2 apart, and their discs at most 0.04.
 const GROUP: f64 = 0.1;
@@ -20,7 +21,7 @@ const ROUNDING: f64 = 1e-5;
 const PRINTED: [u32; 2] = [52, 10];
 
 /// Distances and absorbances behind them, of the middle pixel.
-fn absorbances(drawn: &Rendering, merging: &Merging) -> Vec<[f64; 2]> {
+fn absorbances(drawn: &Rendering, distances: &Distances) -> Vec<[f64; 2]> {
     let middle = |width: u32, height: u32| (width / 2, height / 2);
     let steps: Vec<(u32, f64)> = match &drawn.kept {
         Kept::Fragments(lists) => {
@@ -37,7 +38,7 @@ fn absorbances(drawn: &Rendering, merging: &Merging) -> Vec<[f64; 2]> {
     let mut through = 1.0;
     let step = |(depth, opacity): (u32, f64)| {
         through *= 1.0 - opacity;
-        [merging.along(depth), 1.0 - through]
+        [distances.along(depth), 1.0 - through]
     };
     steps.into_iter().map(step).collect()
 }
@@ -67,10 +68,27 @@ fn staircase(name: &str, steps: &[[f64; 2]], [from, to]: [f64; 2]) -> Curve {
     curve
 }
 
+/// Places at which moments are reconstructed.
+const PLACES: u32 = 400;
+
+/// What moments of all fragments of the middle pixel say is absorbed, along the ray.
+fn reconstructed(drawn: &Rendering, distances: Distances, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    let Kept::Fragments(lists) = &drawn.kept else { return Vec::new() };
+    let keys = lists.pixel(lists.width / 2, lists.height / 2);
+    let fragments: Vec<Fragment> = keys.iter().map(|&key| Fragment::of_key(key)).collect();
+    let place = |i: u32| from + (to - from) * f64::from(i) / f64::from(PLACES);
+    let along: Vec<f64> = (0..=PLACES).map(place).collect();
+    let absorbed = absorbed(&fragments, distances, MOMENTS, &along);
+    along.into_iter().zip(absorbed).map(|(along, absorbed)| [along, absorbed]).collect()
+}
+
+/// Moments of `mbt`, as by default.
+const MOMENTS: u32 = 4;
+
 /// Figure 13.
 pub(in crate::reproduce) fn staircases(scale: &Scale) -> Result<Outcome> {
     let scene = viewer(load(SHEETS, scale.edge)?);
-    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let distances = Distances { planes: scene.camera.planes(), ..Distances::default() };
     let hows =
         [DFB, SKB, How::merging("skb+ofm", HUNDREDFOLD), How::merging("dfb+sfm", HUNDREDFOLD)];
     let mut all = Vec::new();
@@ -78,7 +96,7 @@ pub(in crate::reproduce) fn staircases(scale: &Scale) -> Result<Outcome> {
         all.push(how.measure(&scene, scale)?);
     }
     let steps: Vec<Vec<[f64; 2]>> =
-        all.iter().map(|m: &Measured| absorbances(&m.drawn, &merging)).collect();
+        all.iter().map(|m: &Measured| absorbances(&m.drawn, &distances)).collect();
     let exact = &steps[0];
     let ends = groups(exact);
     let range = [exact.first(), exact.last()].map(|step| step.map_or(0.0, |step| step[0]));
@@ -96,6 +114,14 @@ pub(in crate::reproduce) fn staircases(scale: &Scale) -> Result<Outcome> {
         rows.push(cells);
         curves.push(staircase(measured.how.method, steps, range));
     }
+    let moments = MBT.measure(&scene, scale)?;
+    let mut cells = moments.cells(all[0].image())?;
+    let mut curve = Curve::new(MBT.method);
+    curve.points = reconstructed(&all[0].drawn, distances, range);
+    let absorbed = curve.points.last().map_or(0.0, |point| point[1]);
+    cells.extend(["-".to_owned(), format!("{absorbed:.5}"), "-".to_owned()]);
+    rows.push(cells);
+    curves.push(curve);
     for (measured, steps) in all.iter().zip(&steps).skip(2) {
         let name = measured.how.method;
         let separate = measured.how.k.map_or(0, |k| k as usize - 1).min(ends.len());

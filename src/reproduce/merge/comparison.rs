@@ -6,11 +6,11 @@ use super::{COMPARED, DFB, How, Measured, apart, columns, load, percent, viewer}
 use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
 use crate::image::{Image, row};
+use crate::num::planes::Distances;
 use crate::render::{Data, Kept, Options, render};
 use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::scene::{self, Overrides, Scene, Thickness};
-use crate::scheme::merging::Merging;
 
 /// The largest distance that is shown, in world units: how far the second ball was moved.
 const SHOWN: f64 = 0.1;
@@ -45,11 +45,11 @@ fn gaps(scene: &Scene) -> Result<Vec<Gap>> {
     let drawn = render(scene, &options)?;
     let lists = drawn.lists()?;
     let first = scene.objects.first().map_or(0, |object| object.mesh.primitives()) as u32;
-    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let distances = Distances { planes: scene.camera.planes(), ..Distances::default() };
     let mut gaps = Vec::new();
     for (pixel, ends) in lists.offsets.windows(2).enumerate() {
         let keys = &lists.entries[ends[0] as usize..ends[1] as usize];
-        let along = |key: &u64| merging.along(depth_of(*key));
+        let along = |key: &u64| distances.along(depth_of(*key));
         let front = |of_first: bool| keys.iter().find(|key| (data_of(**key) < first) == of_first);
         if let (Some(a), Some(b)) = (front(true), front(false)) {
             let next = along(&keys[1]) - along(&keys[0]);

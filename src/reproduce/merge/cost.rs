@@ -6,19 +6,20 @@
 //! Algorithm 1 in f64, with its slabs made from depth words.
 
 use super::quality::{HUNDREDFOLD, SETTINGS};
-use super::{DFB, How, Measured, SKB, columns, median, percent};
+use super::{DFB, How, MBT, Measured, SKB, columns, median, percent};
 use crate::error::Result;
 use crate::exec::clock::Stopwatch;
 use crate::num::depth::Format;
+use crate::num::planes::Distances;
 use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::render::{Data, Exec, Options, render};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::resolve::sort;
 use crate::scene::Scene;
+use crate::scheme::merging::Blending;
 use crate::scheme::merging::components::Stored;
-use crate::scheme::merging::slab::merge_sorted;
-use crate::scheme::merging::{Blending, Merging};
+use crate::scheme::merging::slab::{Slab, merge_sorted};
 
 /// The most that merging may take of what sorting takes, in per cent.
 const NEGLIGIBLE: f64 = 15.0;
@@ -49,7 +50,7 @@ struct Work {
 
 fn work(scene: &Scene, repeats: u32) -> Work {
     let pixels = arrivals(scene);
-    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let distances = Distances { planes: scene.camera.planes(), ..Distances::default() };
     let blending = Blending { beta: 1.0, ..Blending::default() };
     let mut work = Work::default();
     for mut list in pixels.iter().cloned() {
@@ -65,7 +66,7 @@ fn work(scene: &Scene, repeats: u32) -> Work {
         let mut out = Vec::new();
         for list in &lists {
             out.clear();
-            let slabs = list.iter().map(|s| merging.slab(s.depth, s.near, s.data));
+            let slabs = list.iter().map(|s| Slab::of(&distances, s.depth, s.near, s.data));
             merge_sorted(slabs, 8, &blending, &mut out);
         }
         watch.lap("merge");
@@ -100,7 +101,7 @@ fn passes(how: &How, scene: &Scene, repeats: u32) -> Result<[f64; 3]> {
 /// Figure 12.
 pub(in crate::reproduce) fn passes_of_methods(scale: &Scale) -> Result<Outcome> {
     let smooth = How::merging("dfb+sfm", HUNDREDFOLD);
-    let hows = [DFB, smooth, SKB, How::merging("skb+ofm", HUNDREDFOLD)];
+    let hows = [DFB, smooth, SKB, How::merging("skb+ofm", HUNDREDFOLD), MBT];
     let (mut rows, mut many, mut slow) = (Vec::new(), Vec::new(), Vec::new());
     for setting in &SETTINGS {
         for edge in [4, 2].map(|part| (scale.edge / part).max(16)) {

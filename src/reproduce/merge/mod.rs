@@ -5,7 +5,7 @@
 //! a P(z) of a millionth of its size; an interactive viewer's planes enclose much more. So where the paper gives
 //! multiples, scenes are seen with a [`viewer`]'s planes.
 //!
-//! Its other method, moment-based transmittance, is not here yet: what the paper shows of it is left out.
+//! Its other method is moment-based transparency, `mbt` with 4 moments.
 
 pub(super) mod absorbance;
 pub(super) mod comparison;
@@ -20,24 +20,15 @@ pub(super) mod screen;
 pub(super) mod zfighting;
 
 use super::Scale;
+use super::bundled::{Bundled, bundled};
 use crate::catalogue;
 use crate::effect::Effect;
 use crate::effect::screen::Screen;
 use crate::effect::volume::UNTIL;
-use crate::error::{Error, Result};
-use crate::image::{Image, similarity};
+use crate::error::Result;
+use crate::image::{Image, flip, similarity};
 use crate::render::{Marching, Options, Rendering, render};
-use crate::scene::file::{self, Source};
-use crate::scene::{Overrides, Scene, Thickness, procedural};
-
-/// A scene file of the repository: its name and its text.
-type Bundled = (&'static str, &'static str);
-
-macro_rules! bundled {
-    ($name:literal) => {
-        ($name, include_str!(concat!("../../../scenes/", $name)))
-    };
-}
+use crate::scene::{Scene, Thickness};
 
 const BALLS: Bundled = bundled!("merging/balls.toml");
 const COMPARED: Bundled = bundled!("merging/compared.toml");
@@ -53,17 +44,8 @@ const SLICED: Bundled = bundled!("merging/sliced.toml");
 const TWINS: Bundled = bundled!("merging/twins.toml");
 
 /// The scene of a file, at a size.
-fn load((name, text): Bundled, edge: u32) -> Result<Scene> {
-    let overrides = Overrides { size: Some([edge; 2]), ..Overrides::default() };
-    let missing = |path: &str| Error::new(name, format!("file: {path} is not bundled"));
-    file::parse(text.as_bytes(), name)?.build(
-        &overrides,
-        &mut |source| match source {
-            Source::Procedural { name, keys, size } => procedural::generate(name, keys, size),
-            Source::File(path) | Source::Points { file: path, .. } => Err(missing(path)),
-        },
-        &mut |path| Err(missing(path)),
-    )
+fn load(bundled: Bundled, edge: u32) -> Result<Scene> {
+    bundled.scene([edge; 2])
 }
 
 /// The planes of an interactive viewer: from a thousandth of the distance to what is looked at.
@@ -97,6 +79,9 @@ const DFB: How = How {
 };
 /// The static k+-buffer, with the paper's k.
 const SKB: How = How { method: "kplus-array", k: Some(8), ..DFB };
+
+/// Moment-based transparency, which keeps no fragments.
+const MBT: How = How { method: "mbt", ..DFB };
 
 impl How {
     /// A method that merges, with the paper's M.
@@ -160,7 +145,7 @@ struct Measured {
 }
 
 /// The columns that all figures share.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "method",
     "k",
     "thickness",
@@ -174,6 +159,7 @@ const COLUMNS: [&str; 13] = [
     "seconds",
     "PSNR (dB)",
     "SSIM",
+    "FLIP",
 ];
 
 /// Columns before and after them.
@@ -195,7 +181,10 @@ impl Measured {
         let psnr = similarity::psnr(like, self.image())?;
         Ok(vec![
             how.method.to_owned(),
-            how.k.map_or_else(|| "all".to_owned(), |k| k.to_string()),
+            how.k.map_or_else(
+                || if how.method == DFB.method { "all".to_owned() } else { none() },
+                |k| k.to_string(),
+            ),
             if merging { how.thickness.to_string() } else { none() },
             if how.method.contains("+sfm") { how.beta.to_string() } else { none() },
             report.generated.to_string(),
@@ -207,6 +196,7 @@ impl Measured {
             format!("{:.3}", self.seconds),
             psnr.map_or_else(|| "equal".to_owned(), |psnr| format!("{psnr:.2}")),
             format!("{:.5}", similarity::ssim(like, self.image())?),
+            format!("{:.5}", flip::mean(&flip::map(like, self.image())?)),
         ])
     }
 
@@ -242,7 +232,7 @@ mod tests {
     #[test]
     fn bundled_scenes_are_scenes() {
         for scene in [BALLS, COMPARED, COPLANAR, CROSSING, GHOSTED, MARKS, SHEETS, SHELL, TWINS] {
-            assert!(load(scene, 16).unwrap().triangles() > 0, "{}", scene.0);
+            assert!(load(scene, 16).unwrap().triangles() > 0, "{}", scene.name);
         }
     }
 }

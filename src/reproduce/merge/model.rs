@@ -4,12 +4,12 @@ use super::{COPLANAR, How, load, viewer};
 use crate::error::Result;
 use crate::fragment::{data_of, depth_of};
 use crate::num::depth::code as depth_code;
+use crate::num::planes::Distances;
 use crate::render::{Kept, Options, Rendering, render};
 use crate::reproduce::plot::{Curve, Plot};
 use crate::reproduce::{Outcome, Scale, Verdict};
 use crate::scene::Thickness;
 use crate::scheme::Record;
-use crate::scheme::merging::Merging;
 use crate::scheme::merging::slab::Visibility;
 
 /// The thickness of Figure 5's slabs, in world units.
@@ -46,10 +46,10 @@ fn together(all: &[Interval]) -> Vec<Interval> {
 }
 
 /// The merged records of the middle pixel.
-fn records(drawn: &Rendering, merging: &Merging) -> Vec<Interval> {
+fn records(drawn: &Rendering, distances: &Distances) -> Vec<Interval> {
     let Kept::Records(lists) = &drawn.kept else { return Vec::new() };
     let of = |record: &Record| {
-        let far = merging.along(record.depth);
+        let far = distances.along(record.depth);
         let near = far - record.thickness;
         Interval { near, far, opacity: record.rgba[3], weight: record.weight }
     };
@@ -59,25 +59,25 @@ fn records(drawn: &Rendering, merging: &Merging) -> Vec<Interval> {
 /// Figure 5, with the model of Figure 2 and the cases of Figure 4: slabs of a real pixel.
 pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
     let scene = viewer(load(COPLANAR, scale.edge)?);
-    let merging = Merging { planes: scene.camera.planes(), ..Merging::default() };
+    let distances = Distances { planes: scene.camera.planes(), ..Distances::default() };
     let exact = render(&scene, &Options::default().exact(None))?;
     let lists = exact.lists()?;
     let fragments: Vec<Interval> = lists
         .pixel(lists.width / 2, lists.height / 2)
         .iter()
         .map(|&key| {
-            let far = merging.along(depth_of(key));
+            let far = distances.along(depth_of(key));
             let opacity = Record::surface(depth_of(key), data_of(key)).rgba[3];
             Interval { near: (far - THICK).max(scene.camera.near), far, opacity, weight: 1.0 }
         })
         .collect();
     let how = |method| How::merging(method, Thickness::World(THICK));
-    let smooth = records(&how("dfb+sfm").draw(&scene)?, &merging);
-    let overlapping = records(&how("dfb+ofm").draw(&scene)?, &merging);
+    let smooth = records(&how("dfb+sfm").draw(&scene)?, &distances);
+    let overlapping = records(&how("dfb+ofm").draw(&scene)?, &distances);
     let expected = together(&fragments);
     let mut wrong = Vec::new();
     for (name, found) in [("dfb+sfm", &smooth), ("dfb+ofm", &overlapping)] {
-        if !agree(found, &expected, &merging) {
+        if !agree(found, &expected, &distances) {
             wrong.push(format!("{name} gives {found:.4?} instead of {expected:.4?}"));
         }
     }
@@ -122,10 +122,10 @@ pub(in crate::reproduce) fn slabs(scale: &Scale) -> Result<Outcome> {
 }
 
 /// Whether both are the same intervals of the same opacity, up to two depth codes, and to eight bits of a product.
-fn agree(found: &[Interval], expected: &[Interval], merging: &Merging) -> bool {
+fn agree(found: &[Interval], expected: &[Interval], distances: &Distances) -> bool {
     let code = |far: f64| {
-        let word = depth_code(merging.planes.depth(far));
-        far - merging.along(word.saturating_sub(2))
+        let word = depth_code(distances.planes.depth(far));
+        far - distances.along(word.saturating_sub(2))
     };
     let near = |a: f64, b: f64, bound: f64| (a - b).abs() <= bound;
     found.len() == expected.len()

@@ -5,8 +5,11 @@
 //! still join the nearest k of them, and the others must then be told apart. So `dfb+ofm` keeps all fragments, and
 //! `skb+ofm` gives it wherever no more than k - 1 slabs lie apart ([`never_overflows`]), or none overlap.
 
-use super::sums::{Logarithms, Mix, Sums};
-use super::{Merging, sums};
+use std::cmp::Ordering;
+
+use super::sums::{self, Logarithms, Mix, Sums};
+use crate::fragment::key;
+use crate::num::planes::Distances;
 use crate::scheme::{Record, Records};
 
 /// A fragment's slab as it is stored.
@@ -43,20 +46,22 @@ impl Merged {
         }
     }
 
-    /// What comes first is nearer: by depth, then by colour word, then by the near end.
+    /// What comes first is nearer: by depth, then by colour word, then by the near end. Colour words are made only
+    /// where depths are equal.
     #[inline]
     #[must_use]
-    pub fn order<M: Mix>(&self) -> (u32, u32, u32) {
-        (self.depth, M::word(self.sums), self.near)
+    pub fn order<M: Mix>(&self, other: &Self) -> Ordering {
+        let rest = |merged: &Self| (M::word(merged.sums), merged.near);
+        self.depth.cmp(&other.depth).then_with(|| rest(self).cmp(&rest(other)))
     }
 
     /// As it leaves the method.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "once for every record")]
+    #[inline]
     #[must_use]
-    pub fn record<M: Mix>(&self, merging: &Merging) -> Record {
+    pub fn record<M: Mix>(&self, distances: &Distances) -> Record {
         let Self { near, depth, sums } = *self;
-        let thickness = if near < depth { merging.along(depth) - merging.along(near) } else { 0.0 };
+        let thickness =
+            if near < depth { distances.along(depth) - distances.along(near) } else { 0.0 };
         Record { depth, thickness, rgba: M::rgba(sums), weight: sums::weight(sums).into() }
     }
 }
@@ -69,7 +74,9 @@ impl Stored {
         Merged { near: self.near, depth: self.depth, sums }
     }
 
-    fn is_thick(&self) -> bool {
+    /// It is no surface: it may overlap others.
+    #[must_use]
+    pub fn is_thick(&self) -> bool {
         self.near < self.depth
     }
 }
@@ -91,7 +98,7 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
     all.extend(
         slabs.iter().filter(|slab| !slab.is_thick()).map(|slab| slab.alone::<M>(logarithms)),
     );
-    all.sort_by_key(Merged::order::<M>);
+    all.sort_by(Merged::order::<M>);
     all
 }
 
@@ -100,24 +107,30 @@ pub fn components<M: Mix>(slabs: &[Stored], logarithms: &Logarithms) -> Vec<Merg
 pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
     let k = k as usize;
     if all.len() > k {
-        let rest: Vec<Merged> = all.drain(k - 1..).collect();
-        all.extend(rest.into_iter().reduce(Merged::with::<M>));
+        let rest = all.drain(k - 1..).reduce(Merged::with::<M>);
+        all.extend(rest);
     }
     all
 }
 
 /// Records as they leave a method, with the fragments merged into others.
 #[must_use]
-pub fn records<M: Mix>(all: &[Merged], merging: &Merging) -> Records {
+pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
     let mut records = Records::default();
-    all.iter().for_each(|merged| add::<M>(&mut records, merged, merging));
+    all.iter().for_each(|merged| add::<M>(&mut records, merged, distances));
     records
 }
 
 /// Add a record as it leaves a method, and count the fragments merged into it.
-#[inline]
-pub fn add<M: Mix>(records: &mut Records, merged: &Merged, merging: &Merging) {
-    records.list.push(merged.record::<M>(merging));
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "once for every record")]
+pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
+    match M::exact(merged.sums) {
+        Some(word) if merged.near >= merged.depth => {
+            records.surfaces.push(key(merged.depth, word));
+        }
+        _ => records.list.push(merged.record::<M>(distances)),
+    }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 

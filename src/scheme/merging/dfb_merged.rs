@@ -10,12 +10,13 @@
 
 use std::marker::PhantomData;
 
-use super::components::{Stored, components, records, with_tail};
+use super::components::{Stored, add, components, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
-use super::{Blending, Merging, merging};
+use super::{Blending, merging};
 use crate::fragment::{Fragment, data_of, depth_of};
-use crate::memory::{Global, Inputs, Layout, Memory, Plain, Words};
+use crate::memory::{Global, Inputs, Inside, Layout, Memory, Plain, Words};
+use crate::num::planes::Distances;
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
 use crate::scheme::parts::ranges;
@@ -25,16 +26,18 @@ use crate::scheme::{Config, Contract, Outcome, Record, Records, Scheme};
 pub trait Merge: Send + Sync + Sized + 'static {
     /// What it promises.
     const CONTRACT: Contract;
+    /// Slabs that touch overlap, and so may surfaces.
+    const CLOSED: bool = false;
 
     /// From the configuration.
     fn new(config: &Config) -> Self;
 
-    /// The records of slabs in canonical order.
-    fn merge(&self, slabs: &[Stored]) -> Records;
+    /// Add the records, at most `most`, of slabs in canonical order.
+    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records);
 
-    /// The records that it is held to.
-    fn promised(&self, slabs: &[Stored]) -> Records {
-        self.merge(slabs)
+    /// Add those that it is held to.
+    fn promised(&self, slabs: &[Stored], most: u32, out: &mut Records) {
+        self.merge(slabs, most, out);
     }
 }
 
@@ -43,6 +46,8 @@ pub trait Merge: Send + Sync + Sized + 'static {
 pub struct DfbMerged<M> {
     store: DynamicFragmentBuffer,
     near: Words<Global, Plain, u32>,
+    /// The most records of a pixel.
+    most: u32,
     merge: M,
 }
 
@@ -69,23 +74,24 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let store = DynamicFragmentBuffer::new(config, layout);
-        Self { store, near: layout.global(config.bounded), merge: M::new(config) }
+        let near = layout.global(config.bounded);
+        Self { store, near, most: config.k.unwrap_or(8), merge: M::new(config) }
     }
 
     async fn clear_frame<Mem: Memory>(&self, mem: &Mem) {
-        self.store.clear_frame(mem).await;
+        self.store.clear_frame(&Inside::<_, Self>::new(mem)).await;
     }
 
     async fn clear<Mem: Memory>(&self, mem: &Mem, pixel: u32) {
-        self.store.clear(mem, pixel).await;
+        self.store.clear(&Inside::<_, Self>::new(mem), pixel).await;
     }
 
     async fn prepare<Mem: Memory>(&self, mem: &Mem, pass: usize, fragment: Fragment) {
-        self.store.prepare(mem, pass, fragment).await;
+        self.store.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
     }
 
     async fn screen<Mem: Memory>(&self, mem: &Mem, pass: usize, pixel: u32) {
-        self.store.screen(mem, pass, pixel).await;
+        self.store.screen(&Inside::<_, Self>::new(mem), pass, pixel).await;
     }
 
     fn invocations(&self, pass: usize) -> u32 {
@@ -93,7 +99,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn frame<Mem: Memory>(&self, mem: &Mem, pass: usize, index: u32) {
-        self.store.frame(mem, pass, index).await;
+        self.store.frame(&Inside::<_, Self>::new(mem), pass, index).await;
     }
 
     /// Whatever it is merged with later, a fragment is stored: resolve counts what it merges.
@@ -109,22 +115,42 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
-        Some(self.merge.promised(&stored(generated)))
+        let mut records = Records::default();
+        self.merge.promised(&stored(generated), self.most, &mut records);
+        Some(records)
     }
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
-        let range = self.store.range(mem, pixel).await;
-        if range.is_empty() {
-            return;
-        }
-        let mut slabs = Vec::with_capacity((range.end - range.start) as usize);
+        let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
+        let mut thick = Vec::new();
         for record in range {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
-            slabs.push(Stored { depth: depth_of(key), data: data_of(key), near });
+            if near < depth_of(key) || M::CLOSED {
+                thick.push(Stored { depth: depth_of(key), data: data_of(key), near });
+            } else {
+                out.surfaces.push(key);
+            }
         }
-        slabs.sort_unstable();
-        *out = self.merge.merge(&slabs);
+        self.reduce(thick, out);
+    }
+}
+
+impl<M: Merge> DfbMerged<M> {
+    /// Merge `thick` slabs with the surfaces that are already records. A surface overlaps nothing, so it stays a record
+    /// as long as nothing is thick and there is room: the last record is for all that have none.
+    #[inline]
+    fn reduce(&self, mut thick: Vec<Stored>, out: &mut Records) {
+        if thick.is_empty() && out.surfaces.len() <= self.most as usize {
+            return;
+        }
+        let stay = if thick.is_empty() { self.most - 1 } else { 0 };
+        out.surfaces.sort_unstable();
+        let surface =
+            |key| Stored { depth: depth_of(key), data: data_of(key), near: depth_of(key) };
+        thick.extend(out.surfaces.drain(stay as usize..).map(surface));
+        thick.sort_unstable();
+        self.merge.merge(&thick, self.most - stay, out);
     }
 }
 
@@ -137,8 +163,7 @@ pub(super) fn stored(generated: &[Fragment]) -> Vec<Stored> {
 /// By overlap.
 #[derive(Debug)]
 pub struct Overlapping {
-    k: u32,
-    merging: Merging,
+    distances: Distances,
     logarithms: Box<Logarithms>,
 }
 
@@ -153,13 +178,13 @@ impl Merge for Overlapping {
     };
 
     fn new(config: &Config) -> Self {
-        Self { k: config.k.unwrap_or(8), merging: config.merging, logarithms: logarithms() }
+        Self { distances: config.distances, logarithms: logarithms() }
     }
 
-    fn merge(&self, slabs: &[Stored]) -> Records {
+    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records) {
         let all = components::<Integers>(slabs, &self.logarithms);
-        let all = with_tail::<Integers>(all, self.k);
-        records::<Integers>(&all, &self.merging)
+        let all = with_tail::<Integers>(all, most);
+        all.iter().for_each(|merged| add::<Integers>(out, merged, &self.distances));
     }
 }
 
@@ -175,40 +200,39 @@ pub trait Smoothing: Send + Sync + Sized + 'static {
 /// Smoothly, in depth order.
 #[derive(Debug)]
 pub struct Smooth<S = Correct> {
-    most: usize,
-    merging: Merging,
+    distances: Distances,
     blending: Blending,
     form: PhantomData<S>,
 }
 
 impl<S: Smoothing> Merge for Smooth<S> {
     const CONTRACT: Contract = S::CONTRACT;
+    const CLOSED: bool = S::BLENDING.closed;
 
     fn new(config: &Config) -> Self {
         let blending = Blending { beta: config.merging.beta, ..S::BLENDING };
-        let most = config.k.unwrap_or(8) as usize;
-        Self { most, merging: config.merging, blending, form: PhantomData }
+        Self { distances: config.distances, blending, form: PhantomData }
     }
 
-    fn merge(&self, slabs: &[Stored]) -> Records {
-        self.merge_by(&self.blending, slabs)
+    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records) {
+        self.merge_by(&self.blending, slabs, most, out);
     }
 
     /// A fault is held to what the right form gives.
-    fn promised(&self, slabs: &[Stored]) -> Records {
+    fn promised(&self, slabs: &[Stored], most: u32, out: &mut Records) {
         let right = Blending { beta: self.blending.beta, ..RIGHT };
         let faulty = S::CONTRACT.form == Form::Mutation;
-        self.merge_by(if faulty { &right } else { &self.blending }, slabs)
+        self.merge_by(if faulty { &right } else { &self.blending }, slabs, most, out);
     }
 }
 
 impl<S> Smooth<S> {
-    fn merge_by(&self, blending: &Blending, slabs: &[Stored]) -> Records {
-        let mut out: Vec<Slab> = Vec::new();
-        let sorted = slabs.iter().map(|s| self.merging.slab(s.depth, s.near, s.data));
-        merge_sorted(sorted, self.most, blending, &mut out);
-        let merged = (slabs.len() - out.len()) as u32;
-        Records { list: out.iter().map(Record::from).collect(), merged }
+    fn merge_by(&self, blending: &Blending, slabs: &[Stored], most: u32, out: &mut Records) {
+        let mut all: Vec<Slab> = Vec::new();
+        let sorted = slabs.iter().map(|s| Slab::of(&self.distances, s.depth, s.near, s.data));
+        merge_sorted(sorted, most as usize, blending, &mut all);
+        out.list.extend(all.iter().map(Record::from));
+        out.merged += (slabs.len() - all.len()) as u32;
     }
 }
 

@@ -18,17 +18,12 @@ pub mod sums;
 use super::contract::{Extra, Keeps};
 use super::{Contract, Record};
 use crate::fragment::Data;
-use crate::num::depth::Format;
-use crate::num::planes::Planes;
+use crate::num::planes::Distances;
 use slab::{Slab, Visibility};
 
 /// What merging must know of the run.
 #[derive(Clone, Copy, Debug)]
 pub struct Merging {
-    /// How depths stand for distances.
-    pub planes: Planes,
-    /// How depths are stored.
-    pub format: Format,
     /// Between optical (0) and smooth (1) subdivision: β of equation (4).
     pub beta: f64,
     /// Slabs are a multiple of the depth's precision thick, rather than world units.
@@ -37,35 +32,28 @@ pub struct Merging {
 
 impl Default for Merging {
     fn default() -> Self {
-        Self { planes: Planes::default(), format: Format::default(), beta: 1.0, relative: true }
+        Self { beta: 1.0, relative: true }
     }
 }
 
 impl PartialEq for Merging {
     fn eq(&self, other: &Self) -> bool {
-        let of = |m: &Self| (m.planes, m.format, m.beta.to_bits(), m.relative);
+        let of = |m: &Self| (m.beta.to_bits(), m.relative);
         of(self) == of(other)
     }
 }
 
 impl Eq for Merging {}
 
-impl Merging {
-    /// The distance of a depth word.
-    #[inline]
-    #[must_use]
-    pub fn along(&self, depth: u32) -> f64 {
-        self.planes.along(self.format.decode(depth))
-    }
-
+impl Slab {
     /// A fragment as a slab.
     #[must_use]
-    pub fn slab(&self, depth: u32, near: u32, data: u32) -> Slab {
+    pub fn of(distances: &Distances, depth: u32, near: u32, data: u32) -> Self {
         let Record { rgba, weight, .. } = Record::surface(depth, data);
-        let far = self.along(depth);
-        let near = if near < depth { self.along(near) } else { far };
+        let far = distances.along(depth);
+        let near = if near < depth { distances.along(near) } else { far };
         let visibility = Visibility::new(rgba);
-        Slab { near, far, visibility, sum: visibility.opacity, depth, weight }
+        Self { near, far, visibility, sum: visibility.opacity, depth, weight }
     }
 }
 

@@ -26,10 +26,11 @@ use std::marker::PhantomData;
 
 use super::components::{Merged, Stored, add, components, never_overflows, records, with_tail};
 use super::dfb_merged::stored;
+use super::merging;
 use super::sums::{Bytes, Floats, Integers, Logarithms, Mix, logarithms};
-use super::{Merging, merging};
 use crate::fragment::Fragment;
 use crate::memory::{Access, Inputs, Layout, Memory, Order, Pixel, Plain, Words, both};
+use crate::num::planes::Distances;
 use crate::scheme::contract::{Dependence, Form, Overflow};
 use crate::scheme::parts::lock::{self, FREE, SpinLock};
 use crate::scheme::{Config, Contract, Outcome, Records, Scheme};
@@ -65,7 +66,7 @@ pub enum Tail {
 #[derive(Debug)]
 pub struct SkbOfm<K = Exact> {
     k: u32,
-    merging: Merging,
+    distances: Distances,
     logarithms: Box<Logarithms>,
     /// The share of a slab's thickness that counts.
     scale: f64,
@@ -91,10 +92,10 @@ impl<K: Kind> Scheme for SkbOfm<K> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            merging: config.merging,
+            distances: config.distances,
             logarithms: logarithms(),
             scale: K::FAR.filter(|_| config.merging.relative).map_or(1.0, |far| {
-                let Merging { planes, .. } = config.merging;
+                let planes = config.distances.planes;
                 let b = |far: f64| planes.near * far / (far - planes.near);
                 b(planes.far) / b(far)
             }),
@@ -158,11 +159,11 @@ impl<K: Kind> Scheme for SkbOfm<K> {
         let count = mem.plain_load(self.count.at(pixel, 0)).await;
         for i in 0..count.min(self.k - 1) {
             let record = merged(self.get(mem, pixel, i).await);
-            add::<K::Mix>(out, &record, &self.merging);
+            add::<K::Mix>(out, &record, &self.distances);
         }
         if self.is_there(mem, pixel, self.k - 1).await != 0 {
             let record = merged(self.get(mem, pixel, self.k - 1).await);
-            add::<K::Mix>(out, &record, &self.merging);
+            add::<K::Mix>(out, &record, &self.distances);
         }
     }
 }
@@ -173,7 +174,7 @@ impl<K: Kind> SkbOfm<K> {
         let all = components::<M>(slabs, &self.logarithms);
         let apart = all.len() == slabs.len();
         let settled = self.k == 1 || apart || never_overflows(slabs, self.k - 1);
-        settled.then(|| records::<M>(&with_tail::<M>(all, self.k), &self.merging))
+        settled.then(|| records::<M>(&with_tail::<M>(all, self.k), &self.distances))
     }
 
     /// Under the lock: take a fragment in, and give what has to go into the tail.
@@ -219,7 +220,7 @@ impl<K: Kind> SkbOfm<K> {
                 let [one, other] = [i, farthest];
                 let one = merged(self.get(mem, pixel, one).await);
                 let other = merged(self.get(mem, pixel, other).await);
-                farther = one.order::<K::Mix>() > other.order::<K::Mix>();
+                farther = one.order::<K::Mix>(&other).is_gt();
             }
             if farther {
                 (farthest, first, second) = (i, depth, first);
@@ -241,7 +242,7 @@ impl<K: Kind> SkbOfm<K> {
             count += 1;
         } else {
             let record = merged(self.get(mem, pixel, farthest).await);
-            let nearer = own.order::<K::Mix>() < record.order::<K::Mix>();
+            let nearer = own.order::<K::Mix>(&record).is_lt();
             if K::TAIL == Tail::NotEvicting || !nearer {
                 return Some(own);
             }

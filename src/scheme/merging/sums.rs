@@ -49,6 +49,11 @@ pub trait Mix: Send + Sync + 'static {
 
     /// The colour word of a record of one fragment, to tell what is farther at equal depth; of others, all ones.
     fn word(sums: Sums) -> u32;
+
+    /// The colour word of a record of one fragment, if [`Self::rgba`] is that colour to the last bit.
+    fn exact(_: Sums) -> Option<u32> {
+        None
+    }
 }
 
 /// The fragments that a record stands for.
@@ -112,13 +117,20 @@ impl Mix for Integers {
     }
 
     #[inline]
-    fn word([rg, ba, log]: Sums) -> u32 {
+    fn word(sums: Sums) -> u32 {
+        Self::exact(sums).unwrap_or(u32::MAX)
+    }
+
+    #[inline]
+    fn exact([rg, ba, log]: Sums) -> Option<u32> {
         if high(log) != 1 {
-            return u32::MAX;
+            return None;
         }
         let a = high(ba);
-        let byte = |sum: u32| sum.checked_div(a).unwrap_or(0) as u8;
-        u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8])
+        // Every sum is a times a byte c, and the scale at most 1 above 2^24 / a: the product is c 2^24 and at most 65,025.
+        let scale = (1u32 << 24).checked_div(a).map_or(0, |scale| scale + 1);
+        let byte = |sum: u32| (u64::from(sum) * u64::from(scale) >> 24) as u8;
+        Some(u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8]))
     }
 }
 
@@ -217,5 +229,22 @@ impl Mix for Bytes {
 
     fn word(sums: Sums) -> u32 {
         low(sums[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_of_one_fragment_is_that_fragment() {
+        let logarithms = logarithms();
+        for (a, c) in (0..=255u8).flat_map(|a| (0..=255u8).map(move |c| (a, c))) {
+            let data = u32::from_le_bytes([c, 255 - c, c / 2, a]);
+            let sums = Integers::one(data, &logarithms);
+            let word = if a > 0 { data } else { 0 };
+            assert_eq!(Integers::exact(sums), Some(word), "{data:x}");
+            assert_eq!(Integers::exact(Integers::mix(sums, sums)), None);
+        }
     }
 }
