@@ -25,6 +25,20 @@ fn tokens() -> &'static [String] {
     })
 }
 
+/// Those that pages of `docs/` show.
+#[test]
+fn tokens_of_the_docs_run_again() {
+    let page = include_str!("../docs/approximate.md");
+    let lines = page.lines().filter_map(|line| line.strip_prefix("fragloom replay "));
+    let tokens: Vec<&str> = lines.filter_map(|line| line.split(' ').next()).collect();
+    for text in &tokens {
+        let token = text.parse().expect("a token of ours");
+        let Token::Litmus(token) = token else { panic!("a token of a litmus pixel") };
+        replay::replay(&Catalogue::built_in(), &token).expect("the same operations");
+    }
+    assert_eq!(tokens.len(), 2);
+}
+
 fn reason(text: &str) -> String {
     text.parse::<Token>().expect_err("no token of ours").to_string()
 }
