@@ -119,11 +119,11 @@ fn a_threshold_counts_pixels_beyond_it() {
 #[test]
 fn tables_in_three_formats() {
     let dir = Dir::new();
-    let line = format!("compare cubes {SMALL} -m exact,kplus-array -k 2");
+    let line = format!("compare cubes {SMALL} -m ab-ll,kplus-array -k 2");
     let csv = dir.run(&format!("{line} --metrics csv")).stdout;
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows[0][..5], ["method", "psnr", "psnr_linear", "ssim", "flip"]);
-    assert_eq!(rows[1][..5], ["exact", "", "", "1", "0"]);
+    assert_eq!(rows[1][..5], ["ab-ll", "", "", "1", "0"]);
     let expected = errors(&dir);
     assert_eq!(rows[2][0], "kplus-array");
     for (name, cell) in rows[0].iter().zip(&rows[2]).skip(1) {
@@ -132,7 +132,8 @@ fn tables_in_three_formats() {
             "worst_y" => &expected["worst_pixel"][1],
             name => &expected[name],
         };
-        assert_eq!(cell.parse::<f64>().unwrap(), value.as_f64().unwrap(), "{name}");
+        // serde_json reads numbers to the last bit but one.
+        assert!(close(value, cell.parse().unwrap(), 1e-12), "{name}: {cell} {value}");
     }
     let latex = dir.run(&format!("{line} --metrics latex")).stdout;
     assert!(latex.starts_with("\\begin{tabular}{lrr") && latex.ends_with("\\end{tabular}\n"));
@@ -210,7 +211,7 @@ fn maps_of_errors_have_one_scale() {
 }
 
 fn image(bytes: &[u8]) -> Vec<[u8; 4]> {
-    fragloom::image::png::decode(std::io::Cursor::new(bytes), 16_384).unwrap().pixels
+    fragloom::image::png::decode(std::io::Cursor::new(bytes), 16_384).expect("a picture").pixels
 }
 
 #[test]
@@ -248,21 +249,21 @@ fn a_sweep_is_a_table_and_a_plot() {
 fn other_options_can_be_swept() {
     let dir = Dir::new();
     for (sweep, method, points) in [
-        ("beta=0,0.5,1", "dfb+sfm", 3),
+        ("beta=0,0.5,1", "dfb+sfm --thickness 1", 3),
         ("load=20,80", "ha64", 2),
         ("age-limit=1,255", "ha64", 2),
         ("k-average=0.5,2", "k-variable", 2),
     ] {
-        let line = format!("compare cubes {SMALL} -m {method},exact --sweep {sweep} --json");
+        let line = format!("compare cubes {SMALL} --sweep {sweep} --json -m exact,{method}");
         let run = dir.run(&line);
         let rows = run.json();
         let rows = rows.as_array().unwrap();
         assert_eq!(rows.len(), points + 1, "{sweep}: {run:?}");
         let words = rows.iter().map(|row| format!("{} {}", row["bytes"], row["image_hash"]));
-        let mut words: Vec<String> = words.take(points).collect();
+        let mut words: Vec<String> = words.skip(1).collect();
         words.dedup();
         assert!(words.len() > 1, "{sweep} changes something: {words:?}");
-        assert_eq!(rows[points]["value"], Value::Null);
+        assert_eq!(rows[0]["value"], Value::Null);
     }
 }
 

@@ -82,11 +82,13 @@ impl Grid {
             row.iter().map(|cell| cell.in_syntax(syntax).to_owned()).collect()
         };
         let rows: Vec<Vec<String>> = self.rows.iter().map(row).collect();
-        let headings = || self.columns.iter().map(|column| column.heading.clone()).collect();
+        let headings = || -> Vec<String> {
+            self.columns.iter().map(|column| column.heading.clone()).collect()
+        };
         match syntax {
             Syntax::Text => columns(&self.aligned(), &[vec![headings()], rows].concat()),
             Syntax::Csv => csv(self.columns.iter().map(|column| column.name), &rows),
-            Syntax::Latex => self.latex(headings(), &rows),
+            Syntax::Latex => self.latex(&headings(), &rows),
         }
     }
 
@@ -99,7 +101,7 @@ impl Grid {
             .collect()
     }
 
-    fn latex(&self, headings: Vec<String>, rows: &[Vec<String>]) -> String {
+    fn latex(&self, headings: &[String], rows: &[Vec<String>]) -> String {
         let letter = |align: Align| if align == Align::Left { 'l' } else { 'r' };
         let letters: String = self.aligned().into_iter().map(letter).collect();
         let line = |cells: &[String]| {
@@ -107,7 +109,7 @@ impl Grid {
             cells.join(" & ") + " \\\\\n"
         };
         let body: String = rows.iter().map(|row| line(row)).collect();
-        let heading = line(&headings);
+        let heading = line(headings);
         format!(
             "\\begin{{tabular}}{{{letters}}}\n\\hline\n{heading}\\hline\n{body}\\hline\n\\end{{tabular}}\n"
         )

@@ -3,7 +3,7 @@
     pip install flip-evaluator scikit-image
     python tests/metrics/check.py target/release/fragloom
 
-The suite does not run this: tests read the ledger (tests/metrics.rs, src/image/flip/tests.rs, src/image/similarity.rs).
+The suite does not run this: tests read the ledger (tests/metrics.rs, src/image/ledger.rs).
 Run it again after a change of the cases below, and of nothing else. It fails if fragloom does not agree.
 """
 

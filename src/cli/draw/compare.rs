@@ -55,8 +55,8 @@ pub(in crate::cli) struct Args {
     heat: Option<Heat>,
 
     /// Draw with several values of an option instead, NAME=VALUES like k=1..32 or k=1,2,4,8, and give a table of memory and
-    /// errors; NAME is k, k-average, beta, moments, samples, load or age-limit. A method without that option is drawn once. With -o, write
-    /// sweep.csv, and the errors against the memory as sweep.svg and sweep.png [default: no sweep]
+    /// errors; NAME is k, k-average, beta, moments, samples, load or age-limit. A method without that option is drawn
+    /// once. With -o, write sweep.csv, and the errors against the memory as sweep.svg and sweep.png [default: no sweep]
     #[arg(long, value_name = "NAME=VALUES")]
     sweep: Option<String>,
 

@@ -8,8 +8,9 @@ use crate::exec::Method;
 use crate::scheme::approximate::Approximation;
 use crate::scheme::approximate::wboit::Weight;
 
-/// As given.
+/// As given. The name of its group tells it from the other options that are flattened into the same command.
 #[derive(Clone, Debug, Args)]
+#[group(id = "approximation")]
 pub(in crate::cli) struct Typed {
     /// For kplus-array, what becomes of what it has no room for: blend, behind the k nearest in the order of arrival; or
     /// average or product, which do not depend on arrival (hybrid and hybrid@product) [default: none; --tail alone: blend]

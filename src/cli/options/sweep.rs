@@ -210,7 +210,7 @@ mod tests {
             ("k=one", "NAME=VALUES"),
             ("k=nan", "NAME=VALUES"),
             ("", "NAME=VALUES"),
-            ("kay=1", "k, k-average, beta, load, age-limit"),
+            ("kay=1", "k, k-average, beta, moments, samples, load, age-limit"),
             ("k=0", "k=0: must be whole numbers from 1 to 65535"),
             ("k=1.5", "whole numbers"),
             ("k=-1..3", "from 1 to 65535"),
@@ -234,9 +234,10 @@ mod tests {
     #[test]
     fn every_parameter_sets_its_option() {
         for parameter in PARAMETERS {
-            let sweep = Sweep::parse(&format!("{}=1", parameter.name), &typed("")).unwrap();
-            let dashes = if parameter.name.len() == 1 { "-" } else { "--" };
-            let (set, other) = (sweep.at(&typed(""), 1.0), format!("{dashes}{} 1", parameter.name));
+            let (name, most) = (parameter.name, parameter.range[1]);
+            let sweep = Sweep::parse(&format!("{name}={most}"), &typed("")).unwrap();
+            let dashes = if name.len() == 1 { "-" } else { "--" };
+            let (set, other) = (sweep.at(&typed(""), most), format!("{dashes}{name} {most}"));
             assert_eq!(format!("{set:?}"), format!("{:?}", typed(&other)), "{}", parameter.name);
         }
     }

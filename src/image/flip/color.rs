@@ -31,12 +31,12 @@ pub(super) fn xyz(rgb: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| xyz[c] / WHITE[c])
 }
 
-/// YCxCz.
+/// `YCxCz`.
 pub(super) fn opponent([x, y, z]: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Linear RGB of YCxCz.
+/// Linear RGB of `YCxCz`.
 pub(super) fn rgb([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     let y = (y + 16.0) / 116.0;
     let parts = [y + cx / 500.0, y, y - cz / 200.0];

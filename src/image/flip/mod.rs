@@ -2,9 +2,9 @@
 //! 0 (nothing) to 1 (green against blue). Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020, *FLIP: A
 //! Difference Evaluator for Alternating Images*.
 //!
-//! * Colour. Both pictures go from sRGB to an opponent space, YCxCz, where each channel is blurred as the eye blurs it at
+//! * Colour. Both pictures go from sRGB to an opponent space, `YCxCz`, where each channel is blurred as the eye blurs it at
 //!   a distance (contrast sensitivity); back to linear RGB, clamped to 0..1, and on to L\*a\*b\*, with chroma scaled by
-//!   0.01 L\* (Hunt effect). The distance is HyAB, |ΔL| + |(Δa, Δb)|, raised to 0.7. With m that of green and blue, the
+//!   0.01 L\* (Hunt effect). The distance is `HyAB`, |ΔL| + |(Δa, Δb)|, raised to 0.7. With m that of green and blue, the
 //!   error rises in a line from 0 to 0.95 at 0.4 m, and in another to 1 at m.
 //! * Features. Of (Y + 16) / 116, edges are the lengths of its first derivatives, points of its second ones, both by
 //!   derivatives of one Gaussian whose positive and negative weights sum up to 1 each. The error is the larger of the
@@ -262,14 +262,15 @@ mod tests {
         let case = &cases()[0];
         let [a, b] = &case.pictures;
         let rows = [0, a.height as usize];
-        let by = |spoil: fn(&mut Eye)| {
+        type Spoil = fn(&mut Eye);
+        let by = |spoil: Spoil| {
             let mut eye = Eye::new(PAPER);
             spoil(&mut eye);
             let [a, b] = [eye.sees(a, rows), eye.sees(b, rows)];
             mean(&a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).collect::<Vec<_>>())
         };
         assert!((by(|_| ()) - case.flip).abs() < BOUND);
-        let faults: [(&str, fn(&mut Eye)); 5] = [
+        let faults: [(&str, Spoil); 5] = [
             ("no edges", |eye| eye.edge.fill(0.0)),
             ("no points", |eye| eye.point.fill(0.0)),
             ("a shifted edge", |eye| eye.edge.rotate_left(1)),
