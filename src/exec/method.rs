@@ -51,6 +51,9 @@ pub trait Instance: Send + Sync {
     /// See [`Scheme::expected`].
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Held>;
 
+    /// See [`Scheme::possible`].
+    fn possible(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Vec<Held>;
+
     /// See [`Scheme::chosen`].
     fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32>;
 
@@ -231,6 +234,11 @@ impl<S: Scheme, F: Form> Instance for Made<S, F> {
 
     fn expected(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Option<Held> {
         self.scheme.expected(inputs, pixel, generated).map(Holds::into_held)
+    }
+
+    fn possible(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Vec<Held> {
+        let all = self.scheme.possible(inputs, pixel, generated).into_iter();
+        all.map(Holds::into_held).collect()
     }
 
     fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32> {

@@ -212,6 +212,13 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         None
     }
 
+    /// Where the result depends on arrival: all that a pixel may hold, one for each order of arrival, by a reference as
+    /// above. Empty where [`Self::expected`] says it, where there are too many orders, and of a method that does not say.
+    fn possible(&self, inputs: &Inputs, pixel: u32, generated: &[Fragment]) -> Vec<Self::Holds> {
+        let _ = (inputs, pixel, generated);
+        Vec::new()
+    }
+
     /// How many of its nearest fragments every pixel must keep, given how many each has: a reference as above, for a
     /// method that chooses by itself ([`Keeps::NearestChosen`]). Others are not asked.
     fn chosen(&self, inputs: &Inputs, counts: &[u32]) -> Vec<u32> {

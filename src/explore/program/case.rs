@@ -47,6 +47,12 @@ impl Case {
         promise.pixel(pixel, &litmus.sorted(self.contract, pixel))
     }
 
+    /// All that a pixel may hold, one for each order of arrival; empty if the method does not say.
+    pub(in crate::explore) fn possible(&self, pixel: u32) -> Vec<Held> {
+        let generated = self.litmus.sorted(self.contract, pixel);
+        self.instance.possible(&self.inputs, pixel, &generated)
+    }
+
     /// The most invocations that run at the same time.
     pub(in crate::explore) fn width(&self) -> usize {
         let course = Course::of(&self.contract.program);

@@ -17,8 +17,15 @@ use crate::scheme::hash_table::table::{Offsets, TableSettings};
 /// How many fragments have all patterns of neighbours; more have distinct depths.
 pub const ALL_PATTERNS: u32 = 5;
 
-/// Opacities of fragments whose colours matter: none, some, all of it.
-const ALPHAS: [u32; 4] = [0x00, 0x80, 0xFF, 0x40];
+/// Opacities of fragments whose colours matter, by their data words: of the first at a depth some, and another at
+/// another depth; of the second all; of others none.
+fn opacity(data: u32) -> u32 {
+    match data % 16 {
+        0 => [0xC0, 0x80, 0x60, 0x40][(data / 16 % 4) as usize],
+        1 => 0xFF,
+        _ => 0x00,
+    }
+}
 
 /// How a fragment relates to the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -378,7 +385,9 @@ fn fragments(relations: &[Relation], places: &[u32], contract: &Contract) -> Vec
             _ if contract.has_slabs() => {
                 data | (0x40 + 0x3F * ((data / 16 + data) % 4)) << 24 | 0x20_4080
             }
-            Some(Data::Color) => data | ALPHAS[((data / 16 + data) % 4) as usize] << 24 | 0x20_4080,
+            Some(Data::Color) if contract.keeps.is_approximate() => {
+                data | opacity(data) << 24 | 0x20_4080
+            }
             _ => data,
         };
         let third = if contract.extra == Extra::Primitive { i as u32 } else { 0 };

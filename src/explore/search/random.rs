@@ -250,7 +250,7 @@ fn draw(subject: &Subject, declared: &[Declared], constants: &[u32], seed: u64) 
             _ if contract.keeps == Keeps::Visible => number | [16, 240][number as usize % 2] << 24,
             _ if by_primitive => number,
             _ if contract.has_slabs() => number | (random.below(256) as u32) << 24,
-            Some(Data::Color) => {
+            Some(Data::Color) if contract.keeps.is_approximate() => {
                 let alpha = [0, 255, random.below(256) as u32][random.below(3) as usize];
                 number ^ 0x20_4080 | alpha << 24
             }

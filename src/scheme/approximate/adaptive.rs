@@ -17,7 +17,7 @@
 
 use std::marker::PhantomData;
 
-use super::approximate;
+use super::{approximate, arrivals};
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Access, Atomic, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::planes::Distances;
@@ -111,6 +111,21 @@ impl<V: Variant> Adaptive<V> {
         let gone = nodes.remove(place);
         let takes = if V::OVER && place < nodes.len() { place } else { place - 1 };
         nodes[takes].passes = times(nodes[takes].passes, gone.passes);
+    }
+
+    /// What fragments in this order of arrival give.
+    fn arrived(&self, fragments: &[Fragment]) -> Light {
+        let mut nodes = Vec::new();
+        for &fragment in fragments {
+            insert(&mut nodes, Node::new(fragment));
+            self.shorten(&mut nodes);
+        }
+        let mut sums = [0; 3];
+        for fragment in fragments {
+            let terms = terms(nodes.iter().copied(), fragment.key());
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        }
+        light(sums, nodes.into_iter())
     }
 
     async fn node<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> Node {
@@ -208,17 +223,11 @@ impl<V: Variant> Scheme for Adaptive<V> {
         if generated.len() > self.k as usize + 1 {
             return None;
         }
-        let mut nodes = Vec::new();
-        for &fragment in generated {
-            insert(&mut nodes, Node::new(fragment));
-        }
-        self.shorten(&mut nodes);
-        let mut sums = [0; 3];
-        for fragment in generated {
-            let terms = terms(nodes.iter().copied(), fragment.key());
-            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-        }
-        Some(light(sums, nodes.into_iter()))
+        Some(self.arrived(generated))
+    }
+
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        arrivals(generated).map(|order| self.arrived(&order)).collect()
     }
 }
 

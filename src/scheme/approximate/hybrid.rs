@@ -16,7 +16,7 @@
 use std::marker::PhantomData;
 
 use super::passing::Passing;
-use super::{alpha, approximate, premultiplied};
+use super::{alpha, approximate, arrivals, premultiplied};
 use crate::fragment::{Fragment, data_of, pair_key};
 use crate::memory::{Access, At, Atomic, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::ray::Ray;
@@ -229,6 +229,22 @@ impl<V: Variant> Scheme for Hybrid<V> {
         }
         let product = self.product.as_ref().map(|p| p.of(far.iter().map(|f| alpha(f.data))));
         Some(light(core(&mut keys), near.len() as u32, tail, product, true))
+    }
+
+    /// The core is the same for all; a tail may be blended in every order.
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        let (near, far) = generated.split_at(generated.len().min(self.k as usize));
+        if V::TAIL != Tail::Blended || far.is_empty() {
+            return Vec::new();
+        }
+        let mut keys: Vec<u64> = near.iter().map(|f| f.key()).collect();
+        let core = core(&mut keys);
+        let of = |order: Vec<Fragment>| {
+            let mut ray = core;
+            ray.through(order.iter().fold(Ray::default(), |tail, f| tail.behind(f.data)));
+            Light { kept: near.len() as u32, ..ray.light() }
+        };
+        arrivals(far).map(of).collect()
     }
 }
 

@@ -18,7 +18,7 @@
 
 use super::blend::Blended;
 use super::moments::{Guard, MOST, log_transmittance};
-use super::{alpha, approximate, real};
+use super::{alpha, approximate, arrivals, real};
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::depth::EMPTY;
@@ -295,6 +295,20 @@ impl PublishedF32 {
     }
 }
 
+impl PublishedF32 {
+    /// What fragments give that arrive in these orders in the first and in the second pass.
+    fn arrived(&self, [first, second]: [&[Fragment]; 2]) -> Light {
+        let (mut sums, mut weighted) = ([0.0; 9], [0.0; 4]);
+        for &fragment in first {
+            (0..9).for_each(|i| sums[i] = self.moment(fragment, i, sums[i]));
+        }
+        for &fragment in second {
+            (0..4).for_each(|i| weighted[i] = self.weighted(&sums, fragment, i, weighted[i]));
+        }
+        light_f32(sums[0], weighted)
+    }
+}
+
 fn light_f32(whole: f32, [r, g, b, a]: [f32; 4]) -> Light {
     if whole == 0.0 {
         return Light::default();
@@ -356,16 +370,13 @@ impl Scheme for PublishedF32 {
 
     /// The sum of two floats does not depend on their order.
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Light> {
-        if generated.len() > 2 {
-            return None;
-        }
-        let (mut sums, mut weighted) = ([0.0; 9], [0.0; 4]);
-        for &fragment in generated {
-            (0..9).for_each(|i| sums[i] = self.moment(fragment, i, sums[i]));
-        }
-        for &fragment in generated {
-            (0..4).for_each(|i| weighted[i] = self.weighted(&sums, fragment, i, weighted[i]));
-        }
-        Some(light_f32(sums[0], weighted))
+        (generated.len() <= 2).then(|| self.arrived([generated, generated]))
+    }
+
+    /// Both passes have an order of their own.
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        let all: Vec<Vec<Fragment>> = arrivals(generated).collect();
+        let pairs = all.iter().flat_map(|first| all.iter().map(move |second| [first, second]));
+        pairs.map(|[first, second]| self.arrived([first, second])).collect()
     }
 }

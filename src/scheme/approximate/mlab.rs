@@ -14,7 +14,7 @@
 
 use std::marker::PhantomData;
 
-use super::approximate;
+use super::{approximate, arrivals};
 use crate::fragment::{Fragment, data_of, depth_of, key};
 use crate::memory::{Access, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::ray::Ray;
@@ -179,12 +179,29 @@ impl<V: Variant> Scheme for Mlab<V> {
         if generated.len() > k + 1 {
             return None;
         }
-        let mut nodes: Vec<Node> = generated.iter().map(|&f| Node::new(f)).collect();
-        if let Some(last) = nodes.get(k).copied() {
-            nodes.truncate(k);
-            nodes[k - 1] = nodes[k - 1].merged::<Correct>(last);
-        }
+        let mut nodes = Vec::new();
+        generated.iter().for_each(|&fragment| insert(&mut nodes, fragment, k));
         Some(light(&nodes))
+    }
+
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        let of = |order: Vec<Fragment>| {
+            let mut nodes = Vec::new();
+            order.into_iter().for_each(|f| insert(&mut nodes, f, self.k as usize));
+            light(&nodes)
+        };
+        arrivals(generated).map(of).collect()
+    }
+}
+
+/// Put a fragment into its place; the last two become one, if there are then more than k.
+fn insert(nodes: &mut Vec<Node>, fragment: Fragment, k: usize) {
+    let place = nodes.partition_point(|node| node.key <= fragment.key());
+    nodes.insert(place, Node::new(fragment));
+    if nodes.len() > k
+        && let Some(last) = nodes.pop()
+    {
+        nodes[k - 1] = nodes[k - 1].merged::<Correct>(last);
     }
 }
 

@@ -3,7 +3,10 @@
 //! A pixel ends as a colour ([`Light`](super::Light)). What a paper adds up in any order is added up here in integers,
 //! so that no order changes a bit: each file says at which scale, how many fragments have room, and how far off a sum
 //! can be. The forms `@published-f32` add in single precision, as a blending unit does, and depend on arrival by
-//! rounding. What depends on arrival by design says so in its contract.
+//! rounding. What depends on arrival by design says so in its contract; it may then hold one result for each order of
+//! arrival, and nothing else ([`Scheme::possible`]).
+//!
+//! [`Scheme::possible`]: super::Scheme::possible
 //!
 //! * [`wboit`]: one pass, colours by a weight of depth and opacity.
 //! * [`mbt`]: two passes, transmittance from power moments ([`moments`]).
@@ -26,7 +29,8 @@ pub mod wboit;
 
 use super::Contract;
 use super::contract::{Keeps, Limit, Overflow};
-use crate::fragment::Data;
+use crate::fragment::{Data, Fragment};
+use crate::num::orders::orders;
 use wboit::Weight;
 
 /// What approximations must know of the run.
@@ -56,6 +60,16 @@ const fn approximate(name: &'static str, limit: Limit) -> Contract {
         overflow: Overflow::Never("every fragment goes into the pixel's colour"),
         ..Contract::new(name, Keeps::Approximate(limit))
     }
+}
+
+/// The most fragments that are put into every order.
+const MOST_ORDERED: usize = 4;
+
+/// Fragments in every order of arrival; nothing if there are too many.
+fn arrivals(generated: &[Fragment]) -> impl Iterator<Item = Vec<Fragment>> + '_ {
+    let n = generated.len();
+    let all = if n <= MOST_ORDERED { orders(n) } else { Vec::new() };
+    all.into_iter().map(|order| order.iter().map(|&i| generated[i]).collect())
 }
 
 /// The opacity byte of a colour word.

@@ -4,7 +4,7 @@
 //! A blending unit is ordered: here by the ordered interlock. Colour and transmittance have 16 bits, as compositing has
 //! them ([`Ray`]).
 
-use super::approximate;
+use super::{approximate, arrivals};
 use crate::fragment::Fragment;
 use crate::memory::{Inputs, Layout, Memory, Pixel, Plain, Words};
 use crate::num::ray::Ray;
@@ -92,5 +92,12 @@ impl Scheme for BlendUnsorted {
             [only] => Some(Ray::default().behind(only.data).light()),
             _ => None,
         }
+    }
+
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        let of = |order: Vec<Fragment>| {
+            order.iter().fold(Ray::default(), |ray, f| ray.behind(f.data)).light()
+        };
+        arrivals(generated).map(of).collect()
     }
 }

@@ -17,7 +17,7 @@ use std::marker::PhantomData;
 
 use super::blend::Blended;
 use super::passing::Passing;
-use super::{alpha, approximate, real};
+use super::{alpha, approximate, arrivals, real};
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Inputs, Layout, Memory, Order, Pixel, Words};
 use crate::num::planes::Distances;
@@ -272,6 +272,17 @@ impl PublishedF32 {
     }
 }
 
+impl PublishedF32 {
+    /// What fragments in this order of arrival give.
+    fn arrived(&self, fragments: &[Fragment]) -> Light {
+        let mut floats = [0.0, 0.0, 0.0, 0.0, 1.0];
+        for &fragment in fragments {
+            (0..5).for_each(|i| floats[i] = self.blend(fragment, i, floats[i]));
+        }
+        light_f32(floats)
+    }
+}
+
 fn light_f32([r, g, b, a, through]: [f32; 5]) -> Light {
     let color = if a == 0.0 { [0.0; 3] } else { [r, g, b].map(|c| c / a * (1.0 - through)) };
     Light { color: color.map(f64::from), transmittance: through.into(), kept: 0 }
@@ -311,13 +322,10 @@ impl Scheme for PublishedF32 {
 
     /// The sum of two floats does not depend on their order.
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Light> {
-        if generated.len() > 2 {
-            return None;
-        }
-        let mut floats = [0.0, 0.0, 0.0, 0.0, 1.0];
-        for &fragment in generated {
-            (0..5).for_each(|i| floats[i] = self.blend(fragment, i, floats[i]));
-        }
-        Some(light_f32(floats))
+        (generated.len() <= 2).then(|| self.arrived(generated))
+    }
+
+    fn possible(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Vec<Light> {
+        arrivals(generated).map(|order| self.arrived(&order)).collect()
     }
 }
