@@ -144,7 +144,9 @@ fn outputs_are_checked_before_anything_runs() {
     let run = dir.run("render missing.obj --exec sim --record no/schedule");
     run.is_error(&["--record:", "no/schedule"]);
     dir.run("render missing.obj -o .").is_error(&["-o:"]);
-    dir.run("render missing.obj -o a --stats a").is_error(&["--stats:", "-o"]);
+    dir.run("render missing.obj -o a.png --stats ./a.png").is_error(&["--stats:", "-o"]);
+    dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png or .ppm"]);
+    dir.run("render missing.obj -o - --json").is_error(&["--json:", "stdout"]);
     dir.run("compare missing.obj -o no/folder").is_error(&["-o:", "no/folder"]);
     fs::write(dir.path("file"), "kept").unwrap();
     dir.run("compare missing.obj -o file").is_error(&["-o:", "file"]);
@@ -221,4 +223,36 @@ fn a_reader_that_goes_away_is_no_fault() {
         let output = child.wait_with_output().unwrap();
         assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]), "{line}");
     }
+}
+
+/// A picture on stdout is all that is there; methods by pattern and with blanks; sizes by one number; a folder is made.
+#[test]
+fn habits_from_elsewhere_work() {
+    let dir = Dir::new();
+    let output =
+        dir.command().args(["render", "cubes", "--size", "24", "-o", "-"]).output().unwrap();
+    assert!(output.status.success() && output.stdout.starts_with(b"\x89PNG"), "{output:?}");
+    let run = dir.run("render cubes --size 24 -o cubes.ppm --json -q");
+    assert_eq!((run.json()["width"].as_u64(), run.json()["height"].as_u64()), (Some(24), Some(24)));
+    assert!(dir.read("cubes.ppm").starts_with(b"P6\n24 24\n255\n"));
+    let words = [
+        "compare",
+        "cubes",
+        "--size",
+        "24x16",
+        "-m",
+        "ab-ll, depth-peel*",
+        "-o",
+        "sheets",
+        "--json",
+    ];
+    let output = dir.command().args(words).output().unwrap();
+    let rows: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let names: Vec<&str> =
+        rows.as_array().unwrap().iter().map(|r| r["method"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        ["ab-ll", "depth-peel", "depth-peel@published", "depth-peel-dual", "depth-peel-bucket"]
+    );
+    assert!(dir.path("sheets/compare-ab-ll.png").is_file());
 }

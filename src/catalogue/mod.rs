@@ -56,6 +56,35 @@ impl Catalogue {
         self.methods.iter().map(Method::contract)
     }
 
+    /// The methods of these names, each once: `all` are those in their correct form, and `*` stands for any letters of
+    /// the name of a method that promises something. Blanks around a name do not count.
+    ///
+    /// # Errors
+    /// As [`Self::find`]; a pattern that no method matches.
+    pub fn select(&self, place: &str, names: &[String]) -> Result<Vec<Method>> {
+        let mut selected = Vec::new();
+        for name in names.iter().map(|name| name.trim()) {
+            let correct = |m: &Method| m.contract().form == Form::Correct;
+            let found: Vec<Method> = match name {
+                "all" => self.promised().filter(correct).collect(),
+                name if name.contains('*') => {
+                    self.promised().filter(|method| matches(name, method.name())).collect()
+                }
+                name => vec![self.find(place, name)?],
+            };
+            if found.is_empty() {
+                let problem = format!("no method is called like {name:?}; see fragloom methods");
+                return Err(Error::new(place, problem));
+            }
+            for method in found {
+                if !selected.contains(&method) {
+                    selected.push(method);
+                }
+            }
+        }
+        Ok(selected)
+    }
+
     /// The method of that name. `place` is where the name was given, for the message.
     ///
     /// # Errors
@@ -74,6 +103,17 @@ impl Catalogue {
             listed.join(", ")
         );
         Err(Error::new(place, problem))
+    }
+}
+
+/// Whether a name is of a pattern in which `*` stands for any letters.
+fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((head, rest)) => {
+            let Some(tail) = name.strip_prefix(head) else { return false };
+            (0..=tail.len()).any(|at| tail.get(at..).is_some_and(|tail| matches(rest, tail)))
+        }
     }
 }
 
@@ -136,6 +176,21 @@ mod tests {
         assert_eq!(nearest("kplus-aray", &names), Some("kplus-array"));
         assert_eq!(nearest("zbuffer", &names), Some("z-buffer"));
         assert_eq!(nearest("something", &names), None);
+    }
+
+    #[test]
+    fn patterns_and_blanks_are_understood() {
+        let select = |names: &[&str]| {
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            let found = Catalogue::built_in().select("-m", &names);
+            found.map(|all| all.iter().map(Method::name).collect::<Vec<_>>())
+        };
+        assert_eq!(select(&["ab-ll", " s-buffer", "ab-ll"]).unwrap(), ["ab-ll", "s-buffer"]);
+        assert_eq!(select(&["depth-peel*"]).unwrap().len(), 4);
+        assert!(select(&["*@published"]).unwrap().contains(&"kplus-array@published"));
+        assert!(select(&["all"]).unwrap().len() > 40 && select(&["nothing*"]).is_err());
+        assert!([("a*c", "abc"), ("*", ""), ("a**b", "ab")].iter().all(|(p, n)| matches(p, n)));
+        assert!(![("a*c", "abd"), ("", "a")].iter().any(|(p, n)| matches(p, n)));
     }
 
     #[test]

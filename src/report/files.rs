@@ -1,5 +1,6 @@
 //! Output files appear whole or not at all: checked before the work starts, written next to their destination under a
-//! temporary name, and renamed when complete.
+//! temporary name, and renamed when complete. A file that was there keeps its mode; a link is followed, also one whose
+//! target does not exist yet; what is no file, like `/dev/null`, is written to.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, Write};
@@ -22,18 +23,75 @@ pub fn check_output(option: &str, path: &Path) -> Result<()> {
         let problem = format!("cannot be written: the folder {} does not exist", folder.display());
         return Err(wrong(option, path, &problem));
     }
-    if path.exists() && !path.is_file() {
-        return Err(wrong(option, path, "exists and is not a regular file"));
+    if path.is_dir() {
+        return Err(wrong(option, path, "is a folder, and not the name of a file"));
+    }
+    let target = followed(path);
+    let beyond = self::folder(&target);
+    if !beyond.is_dir() {
+        let problem = format!("leads to {}, whose folder does not exist", target.display());
+        return Err(wrong(option, path, &problem));
     }
     Ok(())
 }
 
-/// Check that `path` is a folder that exists.
+/// The most links that lead from one to the next.
+const MOST_LINKS: u32 = 40;
+
+/// Where a path leads: the target of a link, also if it does not exist.
+fn followed(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = folder(&path).join(target),
+            Err(_) => break,
+        }
+    }
+    path
+}
+
+/// One spelling for a place: links followed, the folder as the system knows it.
+fn place(path: &Path) -> PathBuf {
+    let path = followed(path);
+    match (fs::canonicalize(&path), fs::canonicalize(folder(&path)), path.file_name()) {
+        (Ok(known), ..) => known,
+        (_, Ok(folder), Some(name)) => folder.join(name),
+        _ => path,
+    }
+}
+
+/// Check that no output is one of these inputs, however both are spelled.
+///
+/// # Errors
+/// The option, the path, and the input.
+pub fn check_apart(outputs: &[(&str, &PathBuf)], inputs: &[PathBuf]) -> Result<()> {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|input| place(input)).collect();
+    for (option, output) in outputs {
+        if inputs.contains(&place(output)) {
+            let problem = "is an input of this run: it would be overwritten; give another name";
+            return Err(wrong(option, output, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Check that `path` is a folder, or that one can be made there: writing the first file makes it.
 ///
 /// # Errors
 /// `option`, the path and what would be right.
 pub fn check_folder(option: &str, path: &Path) -> Result<()> {
-    if path.is_dir() { Ok(()) } else { Err(wrong(option, path, "must be a folder that exists")) }
+    if path.is_dir() {
+        return Ok(());
+    }
+    if path.exists() {
+        return Err(wrong(option, path, "is a file, and must be a folder"));
+    }
+    let parent = folder(path);
+    if parent.is_dir() {
+        return Ok(());
+    }
+    let problem = format!("cannot be made: the folder {} does not exist", parent.display());
+    Err(wrong(option, path, &problem))
 }
 
 /// Write `path` with what `fill` produces; on any error nothing is left behind, and the old file stays.
@@ -60,8 +118,22 @@ where
     F: FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 {
     // A link keeps pointing where it did: its target is replaced.
-    let path = if path.exists() { fs::canonicalize(path)? } else { path.to_path_buf() };
+    let path = followed(path);
+    let path = if path.exists() { fs::canonicalize(path)? } else { path };
+    let there = fs::metadata(&path).ok();
+    if there.as_ref().is_some_and(|there| !there.is_file()) {
+        let mut file = fs::OpenOptions::new().write(true).open(&path)?;
+        let mut writer = BufWriter::with_capacity(1 << 16, &mut file);
+        fill(&mut writer)?;
+        return writer.flush();
+    }
+    if !folder(&path).exists() {
+        fs::create_dir(folder(&path))?;
+    }
     let mut file = temporary(folder(&path))?;
+    if let Some(there) = there {
+        file.as_file().set_permissions(there.permissions())?;
+    }
     let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
     fill(&mut writer)?;
     writer.flush()?;
@@ -95,13 +167,15 @@ fn wrong(option: &str, path: &Path, problem: &str) -> Error {
     Error::new(option, format!("{} {problem}", path.display()))
 }
 
-/// Check that no two outputs share one path, as typed.
+/// Check that no two outputs share one place, however they are spelled; what is no file may be shared.
 ///
 /// # Errors
 /// Both options and the path.
 pub fn check_distinct(outputs: &[(&str, &PathBuf)]) -> Result<()> {
     for (i, (option, path)) in outputs.iter().enumerate() {
-        if let Some((other, _)) = outputs[..i].iter().find(|(_, earlier)| earlier == path) {
+        let own = place(path);
+        let same = |earlier: &Path| place(earlier) == own && (own.is_file() || !own.exists());
+        if let Some((other, _)) = outputs[..i].iter().find(|(_, earlier)| same(earlier)) {
             return Err(wrong(option, path, &format!("is also what {other} writes")));
         }
     }
@@ -150,15 +224,22 @@ mod tests {
         assert!(check_output("-o", &dir.path().join("missing/out")).is_err());
         assert!(check_output("-o", dir.path()).is_err());
         assert!(check_output("-o", Path::new("..")).is_err());
-        assert!(check_folder("-o", dir.path()).is_ok() && check_folder("-o", &inside).is_err());
+        assert!(check_folder("-o", dir.path()).is_ok() && check_folder("-o", &inside).is_ok());
+        assert!(check_folder("-o", &dir.path().join("missing/out")).is_err());
         let other = dir.path().join("other");
+        fs::write(&other, "a file").unwrap();
+        assert!(check_folder("-o", &other).is_err());
+        let dotted = dir.path().join(".").join("out");
+        assert!(check_distinct(&[("-o", &inside), ("--stats", &dotted)]).is_err());
+        assert!(check_apart(&[("-o", &dotted)], &[inside.clone()]).is_err());
+        assert!(check_apart(&[("-o", &other)], &[inside.clone()]).is_ok());
         assert!(check_distinct(&[("-o", &inside), ("--stats", &other)]).is_ok());
         assert!(check_distinct(&[("-o", &inside), ("--stats", &inside)]).is_err());
     }
 
     #[cfg(unix)]
     #[test]
-    fn links_are_followed_and_devices_refused() {
+    fn links_are_followed_and_devices_written_to() {
         let dir = tempfile::tempdir().unwrap();
         let [target, link] = ["target", "link"].map(|name| dir.path().join(name));
         fs::write(&target, "old").unwrap();
@@ -166,6 +247,30 @@ mod tests {
         write_bytes(&link, b"new").unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"new");
         assert!(link.is_symlink());
-        assert!(check_output("--stats", Path::new("/dev/null")).is_err());
+        let null = Path::new("/dev/null");
+        assert!(check_output("--stats", null).is_ok());
+        write_bytes(null, b"gone").unwrap();
+        let [dangling, new] = ["dangling", "new"].map(|name| dir.path().join(name));
+        std::os::unix::fs::symlink("new", &dangling).unwrap();
+        assert!(check_output("-o", &dangling).is_ok());
+        write_bytes(&dangling, b"there now").unwrap();
+        assert_eq!(fs::read(&new).unwrap(), b"there now");
+        assert!(dangling.is_symlink());
+        std::os::unix::fs::symlink("no/where", dir.path().join("lost")).unwrap();
+        assert!(check_output("-o", &dir.path().join("lost")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn modes_and_other_names_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let [path, other] = ["out", "other"].map(|name| dir.path().join(name));
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+        fs::hard_link(&path, &other).unwrap();
+        write_bytes(&path, b"new").unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        assert_eq!(fs::read(&other).unwrap(), b"old");
     }
 }

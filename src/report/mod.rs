@@ -6,6 +6,7 @@ pub mod grid;
 pub mod inspection;
 pub mod json;
 pub mod npz;
+pub mod picture;
 pub mod table;
 pub mod text;
 pub mod verdicts;

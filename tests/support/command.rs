@@ -41,6 +41,8 @@ impl Dir {
     pub(crate) fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fragloom"));
         command.current_dir(self.0.path());
+        // Without it, some drivers' loaders complain on stderr.
+        command.env("XDG_RUNTIME_DIR", self.0.path());
         command
     }
 

@@ -128,8 +128,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         [] => SCENES.map(str::to_owned).to_vec(),
         named => named.to_vec(),
     };
-    let methods = args.methods.iter().map(|name| catalogue.find("-m", name));
-    let methods: Vec<Method> = methods.collect::<Result<_>>()?;
+    let methods = catalogue.select("-m", &args.methods)?;
     let scenes: Vec<Scene> =
         named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
     let thickness = settings::thickness(args.thickness.as_deref())?;

@@ -143,7 +143,7 @@ fn complain(row: &Compared, known: &[String]) {
 /// The given methods, or all correct ones but the reference.
 fn methods(catalogue: &Catalogue, args: &Args) -> Result<Vec<Method>> {
     if !args.methods.is_empty() {
-        return args.methods.iter().map(|name| catalogue.find("-m", name)).collect();
+        return catalogue.select("-m", &args.methods);
     }
     let shows = |m: &Method| m.contract().keeps != Keeps::Bound && m.name() != args.reference;
     let wanted = |m: &Method| m.contract().form == Form::Correct && shows(m);

@@ -9,8 +9,8 @@ use crate::cli::Verdict;
 use crate::cli::options::settings::Settings;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::image::png;
 use crate::render::{AnimatedFrame, Animation, Report, Resize, animate};
+use crate::report::picture::Format;
 use crate::report::text::{Align, columns, thousands};
 use crate::report::{files, json};
 use crate::scene::Scene;
@@ -85,8 +85,7 @@ pub(in crate::cli) fn run(
             let AnimatedFrame { number, retries, rendering } = frame;
             if let Some(path) = image {
                 let path = numbered(path, number);
-                let bytes = png::encode(&rendering.image)
-                    .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
+                let bytes = Format::of("-o", &path)?.encode(&rendering.image, &path)?;
                 files::write_bytes(&path, &bytes)?;
             }
             rows.push(FrameLine { frame: number, retries, report: rendering.report });

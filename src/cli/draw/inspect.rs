@@ -59,8 +59,8 @@ pub(in crate::cli) struct Args {
 /// # Errors
 /// Wrong options or scene, a pixel outside of the picture, or a file that cannot be written.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
-    let methods = args.methods.iter().map(|name| catalogue.find("-m", name));
-    let methods = args.drawing.approximation.with_tail(methods.collect::<Result<_>>()?)?;
+    let methods = catalogue.select("-m", &args.methods)?;
+    let methods = args.drawing.approximation.with_tail(methods)?;
     let pixel = values::pixel(&args.pixel)?;
     let settings = complete(&args.drawing, Method::EXACT, false)?;
     check_outputs(&args.plots)?;

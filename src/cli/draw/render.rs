@@ -1,6 +1,6 @@
 //! `fragloom render`: draw a scene with one method.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::frames::{self, Frames};
 use super::reference::{Against, Document, Reference};
@@ -12,10 +12,10 @@ use crate::cli::options::measures::{Measures, Printed};
 use crate::cli::options::settings::{Settings, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::image::png;
 use crate::render::{Importance, Options, Rendering, render};
 use crate::report::errors::{self, Errors};
 use crate::report::grid::Syntax;
+use crate::report::picture::Format;
 use crate::report::{files, json, npz, table};
 use crate::scene;
 use crate::scheme::contract::Demand;
@@ -39,8 +39,8 @@ pub(in crate::cli) struct Args {
     #[command(flatten)]
     frames: Frames,
 
-    /// Write the picture, as PNG (sRGB, RGBA8) [default: not written]
-    #[arg(short = 'o', value_name = "FILE.png")]
+    /// Write the picture: FILE.png (sRGB, RGBA8) or FILE.ppm; - is stdout, as PNG and without any table [default: not written]
+    #[arg(short = 'o', value_name = "FILE")]
     image: Option<PathBuf>,
 
     /// Write the kept fragments of every pixel, as NumPy arrays [default: not written]
@@ -87,6 +87,9 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         .filter(|option| !["-o", "--stats"].contains(option))
         .collect();
     if let Some(animation) = args.frames.complete(&single)? {
+        if args.image.as_deref().is_some_and(is_stdout) {
+            return Err(Error::new("-o", "- is one picture on stdout, but --frames draws several"));
+        }
         let quiet = args.output.quiet;
         let load = || scene::load(&args.scene, &settings.overrides);
         let scene = wait::during(quiet, "loading", load)?;
@@ -100,7 +103,9 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     write_outputs(args, &rendering, &document)?;
     report.warnings.iter().for_each(|warning| say::warning(warning));
     let errors: Vec<Errors<'_>> = against.iter().map(|against| against.errors(report)).collect();
+    let silent = args.image.as_deref().is_some_and(is_stdout);
     say::result(&match printed {
+        _ if silent => String::new(),
         Printed::Document => document,
         Printed::Tables => table::accounting(report) + &titled(&errors),
         Printed::Errors(syntax) => errors::grid(&errors).write(syntax),
@@ -171,16 +176,34 @@ fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
 }
 
 fn check_outputs(args: &Args) -> Result<()> {
-    let outputs = outputs(args);
+    if let Some(path) = &args.image {
+        Format::of("-o", path)?;
+        if is_stdout(path) && args.output.json {
+            return Err(Error::new(
+                "--json",
+                "is printed on stdout, and so is the picture of -o -",
+            ));
+        }
+    }
+    let mut outputs = outputs(args);
+    outputs.retain(|(option, path)| !(*option == "-o" && is_stdout(path)));
     outputs.iter().try_for_each(|(option, path)| files::check_output(option, path))?;
     files::check_distinct(&outputs)
 }
 
+/// The picture goes to stdout, which then has nothing else.
+fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
 fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<()> {
     if let Some(path) = &args.image {
-        let bytes = png::encode(&rendering.image)
-            .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?;
-        files::write_bytes(path, &bytes)?;
+        let bytes = Format::of("-o", path)?.encode(&rendering.image, path)?;
+        if is_stdout(path) {
+            say::bytes(&bytes)?;
+        } else {
+            files::write_bytes(path, &bytes)?;
+        }
     }
     if let Some(path) = &args.fragments {
         let written = npz::Written::of(&rendering.kept, &rendering.report.method)?;

@@ -3,16 +3,24 @@
 use crate::error::{Error, Result};
 use crate::scene::MAX_SIZE;
 
-/// `WxH` in pixels.
+/// `WxH` in pixels; one number is both edges, and `4k`, `2k` and `8k` are those of screens.
 ///
 /// # Errors
 /// Wrong syntax, or an edge of 0 or above [`MAX_SIZE`].
 pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
-    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let edges = |(w, h): (&str, &str)| Some([w.parse().ok()?, h.parse().ok()?]);
+    let parsed = match text {
+        "2k" => Some([1_920, 1_080]),
+        "4k" => Some([3_840, 2_160]),
+        "8k" => Some([7_680, 4_320]),
+        _ => edges(text.split_once('x').unwrap_or((text, text))),
+    };
     match parsed {
         Some(size) if size.iter().all(|edge| (1..=MAX_SIZE).contains(edge)) => Ok(size),
         _ => {
-            let right = format!("must be WIDTHxHEIGHT, each 1 to {MAX_SIZE} pixels, like 640x480");
+            let right = format!(
+                "must be WIDTHxHEIGHT, each 1 to {MAX_SIZE} pixels, like 640x480; or one number; or 2k, 4k, 8k"
+            );
             Err(Error::new("--size", format!("{text:?} {right}")))
         }
     }

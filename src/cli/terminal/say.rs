@@ -9,8 +9,16 @@ use crate::error::{Error, Result};
 /// # Errors
 /// stdout cannot be written, for a reason other than a closed pipe.
 pub(in crate::cli) fn result(text: &str) -> Result<()> {
+    bytes(text.as_bytes())
+}
+
+/// As [`result`], of what is no text.
+///
+/// # Errors
+/// As there.
+pub(in crate::cli) fn bytes(bytes: &[u8]) -> Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::new("stdout", error.to_string()))
         }
