@@ -187,6 +187,7 @@ fn ties_may_be_confused_and_nothing_else() {
         kept: lists(&[key(1, 1), key(1, 2)]),
         colors: vec![0],
         merged: None,
+        light: None,
     };
     let found = |keys: [u64; 2]| {
         let got = Downloaded {
@@ -243,7 +244,7 @@ fn an_invocation_that_gives_up_waiting_is_run_again() {
             }
             if count == 3 {
                 let before = program.again();
-                let fragments = band.stream(record, Some(1));
+                let fragments = band.stream(contract, record, Some(1));
                 let run = program.run(|function| program.compute(function, &fragments));
                 assert_eq!(run.map(|()| program.again() - before), right);
             }
@@ -344,7 +345,7 @@ fn a_flipped_bit_is_seen() {
         let constants = constants(&shape, record, picture.background);
         let twin = twin("ab-ll");
         let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
-        let fragments = band.stream(record, Some(1));
+        let fragments = band.stream(contract, record, Some(1));
         program.run(|function| program.compute(function, &fragments)).expect("stored");
         let expected = band.expected(method, record, None);
         let got = resolve(&program, &picture.palette, expected.starts()).expect("resolved");
@@ -408,7 +409,7 @@ fn a_hang_is_survived() {
     let record = crosscheck::record(contract);
     let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
     let band = picture.whole();
-    let fragments = band.stream(record, None);
+    let fragments = band.stream(contract, record, None);
     let (mut swiftshader, mut hung) = (false, false);
     for adapter in adapters() {
         let mut device = Device::open(&adapter).expect("a device");

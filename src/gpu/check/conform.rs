@@ -14,6 +14,7 @@ use crate::explore::program::litmus::Litmus;
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::program::{Bound, Dispatch, Group, Program, WRITABLE, group};
 use crate::gpu::twin::shape::{FRAGMENT, Shape, constants, words_of};
 use crate::gpu::twin::source::Twin;
@@ -279,6 +280,11 @@ impl<'a, 'd> Bench<'a, 'd> {
         }
         self.program.device.queue.write_buffer(&self.fragments, 0, &slots);
         let found = self.run(&runs)?;
+        let judged = Judged {
+            bounds: Bounds::of(self.program.twin.method, &config),
+            words: instance.layout().per_pixel().words64 as usize,
+            fragments: fragments.len() as u64,
+        };
         sum.instances += 1;
         sum.orders += orders.len() as u64;
         for (order, (steps, (right, found))) in
@@ -287,8 +293,10 @@ impl<'a, 'd> Bench<'a, 'd> {
             for (step, (right, found)) in steps.iter().zip(right.iter().zip(found)) {
                 sum.steps += 1;
                 sum.words += right.words.iter().map(|words| words.len() as u64 / 4).sum::<u64>();
-                if right != found && sum.difference.is_none() {
-                    let what = difference(right, found);
+                if sum.difference.is_some() {
+                    continue;
+                }
+                if let Some(what) = difference(&judged, right, found) {
                     sum.difference = Some(format!(
                         "{}, order {order:?}, after {step:?}: {what}",
                         litmus.describe()
@@ -377,15 +385,38 @@ impl<'a, 'd> Bench<'a, 'd> {
     }
 }
 
-fn difference(right: &Seen, found: &Seen) -> String {
+/// How words are judged.
+struct Judged {
+    bounds: Bounds,
+    /// 64-bit words of a pixel.
+    words: usize,
+    /// How many fragments there are.
+    fragments: u64,
+}
+
+/// What differs, if anything: more than a bound allows, where a twin's floats are in a pixel's 64-bit words.
+fn difference(judged: &Judged, right: &Seen, found: &Seen) -> Option<String> {
     const NAMES: [&str; 4] = ["pixels'", "pixels' 64-bit", "the frame's", "the frame's 64-bit"];
-    for (name, (right, found)) in NAMES.iter().zip(right.words.iter().zip(&found.words)) {
-        let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
-        let (right, found) = (words(right), words(found));
-        if let Some(at) = (0..right.len()).find(|&i| found.get(i) != right.get(i)) {
-            let found = found.get(at).copied().unwrap_or_default();
-            return format!("{name} words, [{at}] is {found:x} instead of {:x}", right[at]);
+    let words = |bytes: &[u8]| -> Vec<u64> { bytemuck::pod_collect_to_vec(bytes) };
+    let (all, others) = (words(&right.words[1]), words(&found.words[1]));
+    let pixels = all.chunks(judged.words.max(1)).zip(others.chunks(judged.words.max(1)));
+    for (pixel, (right, found)) in pixels.enumerate() {
+        if let Some(at) = judged.bounds.first_apart(right, found, judged.fragments) {
+            let [right, found] = [right, found].map(|words| words.get(at).copied().unwrap_or(0));
+            return Some(format!("64-bit word {at} of pixel {pixel} is {found:x} instead of {right:x}"));
         }
     }
-    format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome)
+    for (place, (right, found)) in right.words.iter().zip(&found.words).enumerate() {
+        if place == 1 || right == found {
+            continue;
+        }
+        let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
+        let (right, found) = (words(right), words(found));
+        let at = (0..right.len()).find(|&i| found.get(i) != right.get(i)).unwrap_or_default();
+        let [right, found] = [right, found].map(|words| words.get(at).copied().unwrap_or(0));
+        let name = NAMES[place];
+        return Some(format!("{name} words, [{at}] is {found:x} instead of {right:x}"));
+    }
+    (right.outcome != found.outcome)
+        .then(|| format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome))
 }

@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
+use super::light;
 use super::merged::Promised;
 use crate::exec::Method;
 use crate::exec::promise::{Promise, bound};
@@ -20,7 +21,8 @@ use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
 use crate::resolve::composite::Ray;
 use crate::scene::{Scene, Thickness};
-use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::approximate::Approximation;
+use crate::scheme::contract::{Contract, Extra, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
 use crate::scheme::{Config, Depth, Held, exact};
 
@@ -43,6 +45,8 @@ pub struct Picture {
     /// The table in which a device looks up colours: the 256 linear 16-bit values at which sRGB bytes begin; then a
     /// colour for every triangle, its own at one of its pixels.
     pub palette: Vec<u32>,
+    /// What methods that approximate must know.
+    pub approximation: Approximation,
     bands: Vec<Range<usize>>,
 }
 
@@ -65,13 +69,20 @@ impl Picture {
             palette[256 + primitive.triangle as usize] = color;
         }
         let bands = bands(&front);
-        Self { front, background: scene.background.map(word16), palette, bands }
+        let approximation = Approximation::default();
+        Self { front, background: scene.background.map(word16), palette, approximation, bands }
     }
 
     /// How thick surfaces are that do not say so themselves, for methods whose fragments are slabs.
     #[must_use]
     pub fn thick(self, scene: &Scene, thickness: Thickness) -> Self {
         Self { front: self.front.thick(Slabs::new(scene, thickness)), ..self }
+    }
+
+    /// For methods that approximate, in this way.
+    #[must_use]
+    pub fn approximate(self, approximation: Approximation) -> Self {
+        Self { approximation, ..self }
     }
 
     /// The whole of it as one band.
@@ -126,6 +137,8 @@ pub struct Band<'p> {
 struct Question {
     record: Record,
     keeps: Keeps,
+    /// Which of the methods that approximate: no two give the same.
+    approximates: Option<&'static str>,
     identical: bool,
     arrival: bool,
     k: Option<u32>,
@@ -204,6 +217,7 @@ impl<'p> Band<'p> {
             records: u64::from(k.unwrap_or(0))
                 * u64::from(self.grid.width)
                 * u64::from(self.grid.height),
+            approximation: self.picture.approximation,
             distances: Distances {
                 planes: self.picture.front.planes(),
                 format: contract.depth_format.unwrap_or_default(),
@@ -214,20 +228,26 @@ impl<'p> Band<'p> {
 
     /// The fragments as a method gets them, in the order of submission, or shuffled.
     #[must_use]
-    pub fn stream(&self, record: Record, shuffle: Option<u64>) -> Vec<Fragment> {
+    pub fn stream(
+        &self,
+        contract: &Contract,
+        record: Record,
+        shuffle: Option<u64>,
+    ) -> Vec<Fragment> {
         let all = 0..self.picture.front.primitives().len() as u32;
-        let mut fragments = self.stream_of(record, all);
+        let mut fragments = self.stream_of(record, contract.extra == Extra::Primitive, all);
         if let Some(seed) = shuffle {
             Random::new(seed, self.rows.start as u64).shuffle(&mut fragments);
         }
         fragments
     }
 
-    /// Those of some primitives.
+    /// Those of some primitives. If they are numbered, their third word is that of their triangle.
     #[must_use]
     pub fn stream_of(
         &self,
         record: Record,
+        numbered: bool,
         primitives: impl IntoIterator<Item = u32>,
     ) -> Vec<Fragment> {
         let front = &self.picture.front;
@@ -237,7 +257,12 @@ impl<'p> Band<'p> {
             front.primitive_packets(primitive, window, |packet| {
                 let place = front.grid.first_pixel(packet) - first;
                 front.fragments(packet, record, place, &mut batch);
+                let first = fragments.len();
                 fragments.extend_from_slice(batch.fragments());
+                if numbered {
+                    let extra = front.primitives()[primitive as usize].triangle;
+                    fragments[first..].iter_mut().for_each(|fragment| fragment.extra = extra);
+                }
             });
         }
         fragments
@@ -257,7 +282,8 @@ impl<'p> Band<'p> {
         let contract = method.contract();
         let (keeps, identical) = (contract.keeps, contract.keeps_alike());
         let (k, arrival) = (k.or(contract.default_k), contract.is_arrival_dependent());
-        let question = Question { record, keeps, identical, arrival, k };
+        let approximates = keeps.is_approximate().then_some(contract.name);
+        let question = Question { record, keeps, approximates, identical, arrival, k };
         let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
         if let Some((_, answer)) = known {
             return answer;
@@ -276,6 +302,10 @@ impl<'p> Band<'p> {
         let counts = || self.lists.iter().map(|list| list.len() as u32).collect();
         let bound = bound(method, instance, question.k, &inputs, config.pixels, counts);
         let promise = Promise::new(method, instance, &inputs, bound);
+        if contract.keeps.is_approximate() {
+            let fragments = self.stream(contract, question.record, None);
+            return colored(method, config, fragments, &promise);
+        }
         if contract.keeps != Keeps::Merged {
             return kept(&self.lists, self.picture, contract, &promise, question);
         }
@@ -297,6 +327,30 @@ fn merged(lists: &[Vec<Fragment>], promise: &Promise<'_>, config: &Config) -> Ex
         kept: Lists::of(&vec![Vec::new(); lists.len()]),
         colors: Vec::new(),
         merged: Some(promised),
+        light: None,
+    }
+}
+
+/// What a method that approximates must give for these fragments.
+fn colored(
+    method: Method,
+    config: &Config,
+    fragments: Vec<Fragment>,
+    promise: &Promise<'_>,
+) -> Expected {
+    let mut lists = vec![Vec::new(); config.pixels as usize];
+    for fragment in fragments {
+        lists[fragment.pixel as usize].push(fragment);
+    }
+    lists.par_iter_mut().for_each(|list| list.sort_unstable());
+    let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
+    let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
+    Expected {
+        generated: Lists::of(&generated),
+        kept: Lists::of(&vec![Vec::new(); lists.len()]),
+        colors: Vec::new(),
+        merged: None,
+        light: light::Promised::new(method, config, &lists, promise),
     }
 }
 
@@ -339,7 +393,7 @@ fn kept(
     };
     let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
     let colors = kept.par_iter().map(color).collect();
-    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors, merged: None }
+    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors, merged: None, light: None }
 }
 
 fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
@@ -392,12 +446,18 @@ pub struct Expected {
     pub colors: Vec<u32>,
     /// Of a method that merges, all that it must give; nothing is then kept, and nothing coloured.
     pub merged: Option<Promised>,
+    /// Of a method that approximates, all that it must give.
+    pub light: Option<light::Promised>,
 }
 
 impl Expected {
     /// Where each pixel's places begin in the results of resolve, and the end.
     #[must_use]
     pub fn starts(&self) -> &[u32] {
-        self.merged.as_ref().map_or(&self.kept.starts, |merged| &merged.starts)
+        match (&self.merged, &self.light) {
+            (Some(merged), _) => &merged.starts,
+            (None, Some(light)) => &light.starts,
+            (None, None) => &self.kept.starts,
+        }
     }
 }

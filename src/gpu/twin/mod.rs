@@ -2,6 +2,8 @@
 //! rasterizer, and lists, resolved.
 
 pub mod band;
+pub mod bounds;
+pub mod light;
 pub mod merged;
 pub mod program;
 pub mod raster;
