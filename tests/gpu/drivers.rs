@@ -292,12 +292,25 @@ fn conformance_finds_changed_twins() {
         mutant("skb+ofm", "max(first, record.depth)", "first"),
         mutant("dfb+ofm", "= fragment.extra", "= fragment.depth"),
         mutant_part("skb+ofm", "words.x < words.y", "words.x > words.y"),
+        mutant("mlab", "last = carried;", "last = node;"),
+        mutant("mlab", "next.key.x), next.behind)", "next.key.x), no_light())"),
+        mutant("mlab", "return MERGED", "return KEPT"),
+        mutant("wboit", "* far * far", "* far"),
+        mutant("wboit", "PASSING: u32 = 4u", "PASSING: u32 = 3u"),
+        mutant("mbt", "power *= u", "power *= -u"),
+        mutant("mbt", "EMPTY", "0u"),
+        mutant("stochastic", "covered % 255u", "covered % 254u"),
+        mutant("stochastic", "Wide(i + 1u, 0u)", "Wide(i, 0u)"),
         mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
     ];
     for opened in all("mutants") {
         for mutant in mutants {
             let extent = conform::Extent { fragments: 3, programs: 30 };
             let found = conform(&opened.device, mutant, extent).expect("a device");
+            if mutant.needs_atomics64() && !opened.device.atomics64 {
+                assert!(found.unsupported.is_some(), "{found:?}");
+                continue;
+            }
             // One that sums the same group twice sums the only one there is.
             let equivalent = mutant.method.name() == "s-buffer";
             assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
@@ -310,7 +323,19 @@ fn conformance_finds_changed_twins() {
 fn litmus_pixels_have_outcomes_of_interleavings() {
     let _turn = turn();
     for opened in all("litmus pixels") {
-        for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32", "skb+ofm", "dfb+ofm"] {
+        for method in [
+            "ab-ll",
+            "kplus-array",
+            "kb-ll",
+            "kb",
+            "ha32",
+            "skb+ofm",
+            "dfb+ofm",
+            "mlab",
+            "wboit",
+            "mbt",
+            "stochastic",
+        ] {
             // Slabs have many more litmus pixels; `crosscheck --litmus` runs all of them.
             let (fragments, instances) =
                 if method.contains("+ofm") { (2, 64) } else { (3, usize::MAX) };

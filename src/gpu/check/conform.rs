@@ -403,7 +403,9 @@ fn difference(judged: &Judged, right: &Seen, found: &Seen) -> Option<String> {
     for (pixel, (right, found)) in pixels.enumerate() {
         if let Some(at) = judged.bounds.first_apart(right, found, judged.fragments) {
             let [right, found] = [right, found].map(|words| words.get(at).copied().unwrap_or(0));
-            return Some(format!("64-bit word {at} of pixel {pixel} is {found:x} instead of {right:x}"));
+            return Some(format!(
+                "64-bit word {at} of pixel {pixel} is {found:x} instead of {right:x}"
+            ));
         }
     }
     for (place, (right, found)) in right.words.iter().zip(&found.words).enumerate() {

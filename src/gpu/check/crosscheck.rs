@@ -286,7 +286,8 @@ impl BandRun<'_> {
             return (Status::Different, false, reason);
         }
         let approximates = self.contract.keeps.is_approximate();
-        let common = if approximates { "the number of nodes and the transmittance" } else { "the sum" };
+        let common =
+            if approximates { "the number of nodes and the transmittance" } else { "the sum" };
         let unsettled = format!("of {} pixels only {common}: arrival decides", sum.unsettled);
         let bounds = Bounds::of(self.twin.method, &Config::default()).says();
         let (racy, raster) = (self.contract.is_racy(), self.path == Path::Raster);

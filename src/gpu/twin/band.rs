@@ -393,7 +393,13 @@ fn kept(
     };
     let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
     let colors = kept.par_iter().map(color).collect();
-    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors, merged: None, light: None }
+    Expected {
+        generated: Lists::of(&generated),
+        kept: Lists::of(&kept),
+        colors,
+        merged: None,
+        light: None,
+    }
 }
 
 fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {

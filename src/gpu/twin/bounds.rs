@@ -27,17 +27,20 @@ pub const COLOR: u32 = 2 * WEIGHTED + 26;
 /// The absorbance of `mbt` as a float, in units of itself: a conversion and a sum.
 pub const ABSORBANCE: u32 = 2;
 
-/// What each further power of u adds to that. u is at most 1, and off by 32 units of 1: the argument of the logarithm by
-/// 3.5 of itself, which moves it by as much; the logarithm by 2^-21 or by 3 of itself, whichever is worse; both times
-/// 2 / ln(far / near); 1.5 of 2 for that product, and 1 for the difference. With far at least twice near, that is 31.7.
-/// (Where rays are parallel, it is 6.) The product adds one, and products of errors less than another.
-pub const POWER: u32 = 34;
+/// What each further power of u adds to that, besides [`STEEP`]. u is at most 1. The logarithm is off by 3 of itself,
+/// where that is more than 2^-21: 6 of u. Its product with 2 / ln(far / near) adds 3, the difference 1. (Where rays are
+/// parallel, it is 6 in all.) The product with u adds 1, and products of errors less than another.
+pub const POWER: u32 = 12;
+
+/// The part of it that the planes decide, over ln(far / near): the argument of the logarithm is off by 3.5 of itself,
+/// which moves the logarithm by as much, and the logarithm by 2^-21, 4 units; and u is twice that.
+pub const STEEP: f64 = 15.0;
 
 /// Rounding a term to whole units, on both sides, and the table's absorbance.
 const UNITS: u64 = 2;
 
-/// Far planes nearer than this many near planes make a logarithmic scale too steep for f32.
-const SMALLEST_RATIO: f64 = 2.0;
+/// With the far plane nearer than this many near planes, a logarithmic scale is too steep for f32.
+const SMALLEST_RATIO: f64 = 1.001;
 
 /// How far a 64-bit word may be from the simulator's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +84,10 @@ impl Bounds {
             }
             "mbt" => {
                 let moments = config.approximation.moments;
-                let power = |i| Word::OfFirst(ABSORBANCE + i * POWER);
+                let planes = config.distances.planes;
+                let steep = STEEP / libm::log(planes.far / planes.near);
+                let steep = if planes.parallel { 0 } else { libm::ceil(steep) as u32 };
+                let power = |i| Word::OfFirst(ABSORBANCE + i * (POWER + steep));
                 let mut words = vec![Word::Same];
                 words.extend((1..=moments).map(power));
                 // The reference, and the sums of the second pass.
@@ -154,7 +160,7 @@ pub fn can(shape: &Shape) -> Result<()> {
     let problem = match shape.contract.name {
         "wboit" if planes.near < 0.0 => "no bound holds for distances behind the eye",
         "mbt" if !planes.parallel && planes.far < SMALLEST_RATIO * planes.near => {
-            "no bound holds where the far plane is so near: its distance is less than twice the near plane's"
+            "no bound holds where the far plane is near the near plane"
         }
         _ => return Ok(()),
     };
@@ -195,7 +201,8 @@ mod tests {
             found[1] = word.cast_unsigned();
             mbt.first_apart(&right, &found, 1)
         };
-        let most = 36 * (1 << 17) + 2;
+        // Planes at 0.1 and 100: 15 / ln(1000) is 2.2.
+        let most = 17 * (1 << 17) + 2;
         assert_eq!([second(most - 5), second(-5 - most)], [None, None]);
         assert_eq!([second(most - 4), second(-6 - most)], [Some(1), Some(1)]);
         let mut other = right;

@@ -333,7 +333,8 @@ pub fn knows_fragments_of(contract: &Contract) -> Result<()> {
         return Err(Failure::Unsupported(problem.to_owned()));
     }
     if contract.keeps.is_approximate() {
-        let problem = "only on the compute path: its fragments have colours, which the device does not shade";
+        let problem =
+            "only on the compute path: its fragments have colours, which the device does not shade";
         return Err(Failure::Unsupported(problem.to_owned()));
     }
     Ok(())
