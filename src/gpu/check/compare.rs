@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
-use crate::gpu::twin::band::Expected;
 use crate::gpu::twin::bounds::may_be_another_arrival;
+use crate::gpu::twin::expected::Expected;
 use crate::gpu::twin::light::{Promised, Simulator};
 use crate::gpu::twin::merged::{Pixel, as_one, held, merged};
 use crate::gpu::twin::resolve::Downloaded;

@@ -6,11 +6,10 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
-use super::light;
-use super::merged::Promised;
+use super::expected::{Expected, Question, colored, kept, merged};
 use crate::exec::Method;
 use crate::exec::promise::{Promise, bound};
-use crate::fragment::{Data, Fragment, data_of, depth_of, key};
+use crate::fragment::{Data, Fragment};
 use crate::memory::Inputs;
 use crate::num::color::{srgb, word16};
 use crate::num::depth::Format;
@@ -19,12 +18,11 @@ use crate::num::random::Random;
 use crate::raster::primitive::Rect;
 use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
-use crate::resolve::composite::Ray;
 use crate::scene::{Scene, Thickness};
 use crate::scheme::approximate::Approximation;
 use crate::scheme::contract::{Contract, Extra, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::{Config, Depth, Held, exact};
+use crate::scheme::{Config, exact};
 
 /// Tile edge: small, so that bands can be small.
 const TILE: u32 = 16;
@@ -130,18 +128,6 @@ pub struct Band<'p> {
     lists: Vec<Vec<u64>>,
     /// The answers given so far.
     answers: RefCell<Vec<(Question, Rc<Expected>)>>,
-}
-
-/// All that the right answer depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Question {
-    record: Record,
-    keeps: Keeps,
-    /// Which of the methods that approximate: no two give the same.
-    approximates: Option<&'static str>,
-    identical: bool,
-    arrival: bool,
-    k: Option<u32>,
 }
 
 impl<'p> Band<'p> {
@@ -317,153 +303,8 @@ impl<'p> Band<'p> {
     }
 }
 
-/// What a method that merges must give for pixels with these fragments.
-fn merged(lists: &[Vec<Fragment>], promise: &Promise<'_>, config: &Config) -> Expected {
-    let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
-    let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
-    let promised = Promised::new(lists, config.k.unwrap_or(u32::MAX), config.distances, promise);
-    Expected {
-        generated: Lists::of(&generated),
-        kept: Lists::of(&vec![Vec::new(); lists.len()]),
-        colors: Vec::new(),
-        merged: Some(promised),
-        light: None,
-    }
-}
-
-/// What a method that approximates must give for these fragments.
-fn colored(
-    method: Method,
-    config: &Config,
-    fragments: Vec<Fragment>,
-    promise: &Promise<'_>,
-) -> Expected {
-    let mut lists = vec![Vec::new(); config.pixels as usize];
-    for fragment in fragments {
-        lists[fragment.pixel as usize].push(fragment);
-    }
-    lists.par_iter_mut().for_each(|list| list.sort_unstable());
-    let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
-    let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
-    Expected {
-        generated: Lists::of(&generated),
-        kept: Lists::of(&vec![Vec::new(); lists.len()]),
-        colors: Vec::new(),
-        merged: None,
-        light: light::Promised::new(method, config, &lists, promise),
-    }
-}
-
-/// What any other method must give.
-fn kept(
-    lists: &[Vec<u64>],
-    picture: &Picture,
-    contract: &Contract,
-    promise: &Promise<'_>,
-    Question { record, k, .. }: Question,
-) -> Expected {
-    let named = record.data == Data::Primitive;
-    let word = |&exact: &u64| {
-        let data = if named { data_of(exact) } else { 0 };
-        key(record.depth.encode(depth_of(exact)), data)
-    };
-    let pixel = |(pixel, list): (usize, &Vec<u64>)| {
-        let mut generated: Vec<u64> = list.iter().map(word).collect();
-        generated.sort_unstable();
-        let fragments: Vec<Fragment> = generated.iter().map(|&key| Fragment::of_key(key)).collect();
-        let mut kept = match promise.pixel(pixel as u32, &fragments) {
-            Some(Held::Keys(keys)) => keys,
-            // A twin emits a depth as a record without data, and none for no depth.
-            Some(Held::Depth(Depth(depth))) if depth < u32::MAX => vec![key(depth, 0)],
-            _ => Vec::new(),
-        };
-        // Some of them, as many as there are slots.
-        if let (Keeps::FirstArrivals, Some(slots)) = (contract.keeps, k) {
-            kept.truncate(slots as usize);
-        }
-        (generated, kept)
-    };
-    let color = |list: &Vec<u64>| {
-        let mut ray = Ray::default();
-        for &key in list {
-            let data = data_of(key);
-            ray.over(if named { picture.palette[256 + data as usize] } else { data });
-        }
-        u32::from_le_bytes(ray.finish(picture.background))
-    };
-    let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
-    let colors = kept.par_iter().map(color).collect();
-    Expected {
-        generated: Lists::of(&generated),
-        kept: Lists::of(&kept),
-        colors,
-        merged: None,
-        light: None,
-    }
-}
-
 fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
     let whole = picture.front.grid;
     let (top, bottom) = (rows.start as u32 * TILE, rows.end as u32 * TILE);
     Grid { height: bottom.min(whole.height) - top, ..whole }
-}
-
-/// Records of every storage pixel, one after another.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Lists {
-    /// Where each pixel's records begin; one entry more than there are pixels.
-    pub starts: Vec<u32>,
-    /// All records.
-    pub keys: Vec<u64>,
-}
-
-impl Lists {
-    fn of(lists: &[Vec<u64>]) -> Self {
-        let mut starts = vec![0];
-        let mut keys = Vec::with_capacity(lists.iter().map(Vec::len).sum());
-        for list in lists {
-            keys.extend_from_slice(list);
-            starts.push(keys.len() as u32);
-        }
-        Self { starts, keys }
-    }
-
-    /// A pixel's records.
-    #[must_use]
-    pub fn pixel(&self, pixel: usize) -> &[u64] {
-        &self.keys[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
-    }
-
-    /// How many pixels there are.
-    #[must_use]
-    pub fn pixels(&self) -> usize {
-        self.starts.len() - 1
-    }
-}
-
-/// What a method must give.
-#[derive(Clone, Debug)]
-pub struct Expected {
-    /// What was generated, sorted.
-    pub generated: Lists,
-    /// What is kept, front to back.
-    pub kept: Lists,
-    /// The pixels' colours, sRGB RGBA8.
-    pub colors: Vec<u32>,
-    /// Of a method that merges, all that it must give; nothing is then kept, and nothing coloured.
-    pub merged: Option<Promised>,
-    /// Of a method that approximates, all that it must give.
-    pub light: Option<light::Promised>,
-}
-
-impl Expected {
-    /// Where each pixel's places begin in the results of resolve, and the end.
-    #[must_use]
-    pub fn starts(&self) -> &[u32] {
-        match (&self.merged, &self.light) {
-            (Some(merged), _) => &merged.starts,
-            (None, Some(light)) => &light.starts,
-            (None, None) => &self.kept.starts,
-        }
-    }
 }

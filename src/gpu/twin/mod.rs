@@ -3,6 +3,7 @@
 
 pub mod band;
 pub mod bounds;
+pub mod expected;
 pub mod light;
 pub mod merged;
 pub mod program;
