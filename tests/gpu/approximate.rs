@@ -101,13 +101,13 @@ fn scenes_find_changed_twins() {
     let _turn = turn();
     let scenes = [scene("synthetic:n=14,tessellation=3", [40, 28]), opaque(), parallel()];
     let mutants = [
-        mutant("mlab", "last = carried;", "last = node;"),
+        mutant("mlab", "   last = carried;", "   last = node;"),
         mutant("mlab", "merged(last, carried)", "merged(carried, last)"),
         mutant("mlab", "through(over(node.behind, next.key.x), next.behind)", "node.behind"),
         mutant("mlab", "TAKEN) == FREE", "TAKEN) < 2u"),
         mutant("mlab", "pixels[pixel].count = 0u", "pixels[pixel].count = 1u"),
-        mutant_part("mlab", "ray", "32512u", "32767u"),
-        mutant_part("mlab", "ray", "+ 127u", "+ 128u"),
+        mutant_part("mlab", "ray", "32512u", "65024u"),
+        mutant_part("mlab", "ray", "+ 127u", "+ 254u"),
         mutant("wboit", "POINT: u32 = 34u", "POINT: u32 = 33u"),
         mutant("wboit", "z / 5.0) * (z / 5.0)", "z / 5.0) * (z / 5.0001)"),
         mutant("wboit", "NEAR_TIMES_FAR / (NEAR +", "NEAR_TIMES_FAR / (1.00001 * NEAR +"),
@@ -119,7 +119,7 @@ fn scenes_find_changed_twins() {
         mutant_part("wboit", "table", "pair.zw", "pair.xy"),
         mutant("mbt", "power *= u", "power *= abs(u)"),
         mutant("mbt", "negative(term)", "term"),
-        mutant("mbt", "Wide(1u, 0u)", "Wide(0u, 0u)"),
+        mutant("mbt", "POINT: u32 = 40u", "POINT: u32 = 41u"),
         mutant("mbt", "atomicMin", "atomicMax"),
         mutant("mbt", "i <= MOMENTS", "i < MOMENTS"),
         mutant("mbt", "TWICE_PER_LOG, -1.0", "TWICE_PER_LOG * 1.0001, -1.0"),
