@@ -142,6 +142,15 @@ impl Owned {
         }
     }
 
+    /// Records of the given sizes that have these words, of 32 and of 64 bits. Missing ones are zero.
+    #[must_use]
+    pub fn of(sizes: Sizes, records: usize, words: (&[u32], &[u64])) -> Self {
+        let own = Self::new(sizes, records);
+        own.words32.iter().zip(words.0).for_each(|(cell, &word)| cell.set(word));
+        own.words64.iter().zip(words.1).for_each(|(cell, &word)| cell.set(word));
+        own
+    }
+
     /// All words, of 32 and of 64 bits, record after record.
     #[must_use]
     pub fn all(&self) -> (Vec<u32>, Vec<u64>) {

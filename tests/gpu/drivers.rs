@@ -9,7 +9,8 @@ use fragloom::gpu::check::open::{Opened, devices};
 use fragloom::gpu::check::stress::{self, stress};
 use fragloom::gpu::driver::device::{Device, adapters};
 use fragloom::gpu::driver::failure::Failure;
-use fragloom::gpu::twin::band::{Expected, Lists, Picture};
+use fragloom::gpu::twin::band::Picture;
+use fragloom::gpu::twin::expected::{Expected, Lists};
 use fragloom::gpu::twin::program::Program;
 use fragloom::gpu::twin::raster::{Raster, Triangles};
 use fragloom::gpu::twin::resolve::Downloaded;
@@ -187,6 +188,7 @@ fn ties_may_be_confused_and_nothing_else() {
         kept: lists(&[key(1, 1), key(1, 2)]),
         colors: vec![0],
         merged: None,
+        light: None,
     };
     let found = |keys: [u64; 2]| {
         let got = Downloaded {
@@ -243,7 +245,7 @@ fn an_invocation_that_gives_up_waiting_is_run_again() {
             }
             if count == 3 {
                 let before = program.again();
-                let fragments = band.stream(record, Some(1));
+                let fragments = band.stream(contract, record, Some(1));
                 let run = program.run(|function| program.compute(function, &fragments));
                 assert_eq!(run.map(|()| program.again() - before), right);
             }
@@ -291,12 +293,25 @@ fn conformance_finds_changed_twins() {
         mutant("skb+ofm", "max(first, record.depth)", "first"),
         mutant("dfb+ofm", "= fragment.extra", "= fragment.depth"),
         mutant_part("skb+ofm", "words.x < words.y", "words.x > words.y"),
+        mutant("mlab", "   last = carried;", "   last = node;"),
+        mutant("mlab", "next.key.x), next.behind)", "next.key.x), no_light())"),
+        mutant("mlab", "return MERGED", "return KEPT"),
+        mutant("wboit", "* far * far", "* far"),
+        mutant("wboit", "PASSING: u32 = 4u", "PASSING: u32 = 3u"),
+        mutant("mbt", "power *= u", "power *= -u"),
+        mutant("mbt", "EMPTY", "0u"),
+        mutant("stochastic", "SAMPLES - i) < left", "SAMPLES) < left"),
+        mutant("stochastic", "Wide(i + 1u, 0u)", "Wide(i, 0u)"),
         mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
     ];
     for opened in all("mutants") {
         for mutant in mutants {
             let extent = conform::Extent { fragments: 3, programs: 30 };
             let found = conform(&opened.device, mutant, extent).expect("a device");
+            if mutant.needs_atomics64() && !opened.device.atomics64 {
+                assert!(found.unsupported.is_some(), "{found:?}");
+                continue;
+            }
             // One that sums the same group twice sums the only one there is.
             let equivalent = mutant.method.name() == "s-buffer";
             assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
@@ -309,7 +324,19 @@ fn conformance_finds_changed_twins() {
 fn litmus_pixels_have_outcomes_of_interleavings() {
     let _turn = turn();
     for opened in all("litmus pixels") {
-        for method in ["ab-ll", "kplus-array", "kb-ll", "kb", "ha32", "skb+ofm", "dfb+ofm"] {
+        for method in [
+            "ab-ll",
+            "kplus-array",
+            "kb-ll",
+            "kb",
+            "ha32",
+            "skb+ofm",
+            "dfb+ofm",
+            "mlab",
+            "wboit",
+            "mbt",
+            "stochastic",
+        ] {
             // Slabs have many more litmus pixels; `crosscheck --litmus` runs all of them.
             let (fragments, instances) =
                 if method.contains("+ofm") { (2, 64) } else { (3, usize::MAX) };
@@ -344,7 +371,7 @@ fn a_flipped_bit_is_seen() {
         let constants = constants(&shape, record, picture.background);
         let twin = twin("ab-ll");
         let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
-        let fragments = band.stream(record, Some(1));
+        let fragments = band.stream(contract, record, Some(1));
         program.run(|function| program.compute(function, &fragments)).expect("stored");
         let expected = band.expected(method, record, None);
         let got = resolve(&program, &picture.palette, expected.starts()).expect("resolved");
@@ -408,7 +435,7 @@ fn a_hang_is_survived() {
     let record = crosscheck::record(contract);
     let picture = Picture::new(&scene("layers:count=1", [8, 8]), 8);
     let band = picture.whole();
-    let fragments = band.stream(record, None);
+    let fragments = band.stream(contract, record, None);
     let (mut swiftshader, mut hung) = (false, false);
     for adapter in adapters() {
         let mut device = Device::open(&adapter).expect("a device");

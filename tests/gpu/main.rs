@@ -6,6 +6,7 @@
 
 #![cfg(feature = "gpu")]
 
+mod approximate;
 mod drivers;
 mod inputs;
 mod merging;

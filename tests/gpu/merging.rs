@@ -134,7 +134,7 @@ fn a_flipped_bit_of_a_record_is_seen() {
         let constants = constants(&shape, record, picture.background);
         let program =
             Program::new(&opened.device, twin("dfb+ofm"), shape, constants).expect("a program");
-        let fragments = band.stream(record, Some(1));
+        let fragments = band.stream(contract, record, Some(1));
         program.run(|function| program.compute(function, &fragments)).expect("stored");
         let expected = band.expected(method, record, None);
         let got = resolve(&program, &picture.palette, expected.starts()).expect("resolved");

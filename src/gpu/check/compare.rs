@@ -4,7 +4,9 @@ use serde::Serialize;
 
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
-use crate::gpu::twin::band::Expected;
+use crate::gpu::twin::bounds::may_be_another_arrival;
+use crate::gpu::twin::expected::Expected;
+use crate::gpu::twin::light::{Promised, Simulator};
 use crate::gpu::twin::merged::{Pixel, as_one, held, merged};
 use crate::gpu::twin::resolve::Downloaded;
 use crate::num::planes::Distances;
@@ -33,8 +35,8 @@ pub struct Differences {
     pub torn: u64,
     /// Pixels with a result that the contract does not allow.
     pub not_allowed: u64,
-    /// Of a method that merges, pixels where arrival decides which records there are: of these, only what all of them
-    /// are together was compared.
+    /// Pixels where arrival decides which records there are, of a method that merges; or which nodes, of one that
+    /// approximates. Of these, only what does not depend on it was compared.
     pub unsettled: u64,
 }
 
@@ -77,6 +79,12 @@ pub fn compare(
     if let Some(promised) = &expected.merged {
         for (pixel, right) in promised.pixels.iter().enumerate() {
             records(&promised.distances, right, got, pixel, &mut sum);
+        }
+        return sum;
+    }
+    if let Some(promised) = &expected.light {
+        if let Some(simulator) = promised.simulator() {
+            lights(promised, &simulator, expected, got, &mut sum);
         }
         return sum;
     }
@@ -125,6 +133,38 @@ fn records(
     if !(equal && all == right.all) {
         sum.list_differences += 1;
         sum.not_allowed += 1;
+    }
+}
+
+/// Compare the words of pixels that hold colours, and the colours that the simulator makes of them.
+fn lights(
+    promised: &Promised,
+    simulator: &Simulator,
+    expected: &Expected,
+    got: &Downloaded,
+    sum: &mut Differences,
+) {
+    for pixel in 0..promised.pixels() {
+        let (right, found) = (promised.words(pixel), got.pixel(pixel));
+        let n = expected.generated.pixel(pixel).len() as u64;
+        let place = pixel as u32;
+        let whole = got.counts[pixel] as usize == right.len() && found.len() == right.len();
+        let light = simulator.light(place, found);
+        let (words, color) = match promised.light(pixel) {
+            _ if !whole => (false, false),
+            Some(promise) => (
+                promised.bounds.first_apart(right, found, n).is_none(),
+                promised.bounds.is_near(&promise, &light),
+            ),
+            None => {
+                sum.unsettled += 1;
+                let right = simulator.light(place, right);
+                (true, may_be_another_arrival(&right, &light, n))
+            }
+        };
+        sum.list_differences += u64::from(!words);
+        sum.pixel_differences += u64::from(!color);
+        sum.not_allowed += u64::from(!(words && color));
     }
 }
 

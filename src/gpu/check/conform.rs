@@ -5,6 +5,7 @@
 use serde::Serialize;
 use wgpu::{BufferUsages, ShaderStages};
 
+use super::seen::{Judged, Seen, difference};
 use crate::exec::Instance;
 use crate::exec::drive::{Outcomes, Pipeline};
 use crate::exec::interpret::Interpreted;
@@ -14,6 +15,7 @@ use crate::explore::program::litmus::Litmus;
 use crate::fragment::{Data, Fragment};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::program::{Bound, Dispatch, Group, Program, WRITABLE, group};
 use crate::gpu::twin::shape::{FRAGMENT, Shape, constants, words_of};
 use crate::gpu::twin::source::Twin;
@@ -91,13 +93,6 @@ fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
         },
     };
     Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
-}
-
-/// All words by binding, and a store invocation's outcome.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Seen {
-    words: [Vec<u8>; 4],
-    outcome: Option<u32>,
 }
 
 /// Runs the steps in the simulator.
@@ -279,6 +274,11 @@ impl<'a, 'd> Bench<'a, 'd> {
         }
         self.program.device.queue.write_buffer(&self.fragments, 0, &slots);
         let found = self.run(&runs)?;
+        let judged = Judged {
+            bounds: Bounds::of(self.program.twin.method, &config),
+            words: instance.layout().per_pixel().words64 as usize,
+            fragments: fragments.len() as u64,
+        };
         sum.instances += 1;
         sum.orders += orders.len() as u64;
         for (order, (steps, (right, found))) in
@@ -287,8 +287,10 @@ impl<'a, 'd> Bench<'a, 'd> {
             for (step, (right, found)) in steps.iter().zip(right.iter().zip(found)) {
                 sum.steps += 1;
                 sum.words += right.words.iter().map(|words| words.len() as u64 / 4).sum::<u64>();
-                if right != found && sum.difference.is_none() {
-                    let what = difference(right, found);
+                if sum.difference.is_some() {
+                    continue;
+                }
+                if let Some(what) = difference(&judged, right, found) {
                     sum.difference = Some(format!(
                         "{}, order {order:?}, after {step:?}: {what}",
                         litmus.describe()
@@ -375,17 +377,4 @@ impl<'a, 'd> Bench<'a, 'd> {
             Step::Store(i) => program.dispatch(encoder, &self.store, slot(i), 1),
         }
     }
-}
-
-fn difference(right: &Seen, found: &Seen) -> String {
-    const NAMES: [&str; 4] = ["pixels'", "pixels' 64-bit", "the frame's", "the frame's 64-bit"];
-    for (name, (right, found)) in NAMES.iter().zip(right.words.iter().zip(&found.words)) {
-        let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
-        let (right, found) = (words(right), words(found));
-        if let Some(at) = (0..right.len()).find(|&i| found.get(i) != right.get(i)) {
-            let found = found.get(at).copied().unwrap_or_default();
-            return format!("{name} words, [{at}] is {found:x} instead of {:x}", right[at]);
-        }
-    }
-    format!("the outcome is {:?} instead of {:?}", found.outcome, right.outcome)
 }

@@ -9,6 +9,7 @@ use crate::fragment::Data;
 use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::band::{Band, Picture};
+use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::program::Program;
 use crate::gpu::twin::raster::{self, Raster, Triangles};
 use crate::gpu::twin::resolve::resolve;
@@ -16,6 +17,7 @@ use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::{Twin, twin, twins};
 use crate::raster::Record;
 use crate::scene::Scene;
+use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Keeps};
 use serde::Serialize;
 
@@ -224,7 +226,7 @@ impl BandRun<'_> {
         let mut by_compute = 0;
         match self.path {
             Path::Compute => {
-                let fragments = band.stream(record, self.shuffle);
+                let fragments = band.stream(self.contract, record, self.shuffle);
                 program.run(|function| program.compute(function, &fragments))?;
             }
             Path::Raster => {
@@ -283,7 +285,11 @@ impl BandRun<'_> {
                 format!("allowed, {why}: {lost} lost, {duplicated} duplicated, {torn} torn");
             return (Status::Different, false, reason);
         }
-        let unsettled = format!("of {} pixels only the sum: arrival decides", sum.unsettled);
+        let approximates = self.contract.keeps.is_approximate();
+        let common =
+            if approximates { "the number of nodes and the transmittance" } else { "the sum" };
+        let unsettled = format!("of {} pixels only {common}: arrival decides", sum.unsettled);
+        let bounds = Bounds::of(self.twin.method, &Config::default()).says();
         let (racy, raster) = (self.contract.is_racy(), self.path == Path::Raster);
         let reasons = [
             (
@@ -293,6 +299,7 @@ impl BandRun<'_> {
             (racy && !raster, "this time; it races"),
             (!racy && !self.contract.is_within_wgsl(), "not guaranteed by WGSL"),
             (self.contract.keeps == Keeps::Merged, "records without colours"),
+            (!bounds.is_empty(), bounds),
             (sum.unsettled > 0, &unsettled),
         ];
         (Status::Equal, false, holding(&reasons))

@@ -5,4 +5,5 @@ pub mod conform;
 pub mod crosscheck;
 pub mod open;
 pub mod race;
+mod seen;
 pub mod stress;

@@ -12,6 +12,8 @@ use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment, depth_of};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::twin::bounds::Bounds;
+use crate::gpu::twin::light::Simulator;
 use crate::gpu::twin::merged;
 use crate::gpu::twin::program::Program;
 use crate::gpu::twin::resolve::resolve;
@@ -21,7 +23,7 @@ use crate::num::depth::Format;
 use crate::num::planes::Distances;
 use crate::num::random::Random;
 use crate::raster::{Grid, Record};
-use crate::scheme::contract::Contract;
+use crate::scheme::contract::{Contract, Extra};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
 use crate::scheme::{Config, Depth, Held, HeldKind};
 
@@ -245,7 +247,14 @@ fn run(
     let (method, contract) = (program.twin.method, program.shape.contract);
     let distances = program.shape.config.distances;
     let n = litmus.fragments.len() as u32;
-    let room = if method.holds() == HeldKind::Records { n * merged::WORDS } else { n };
+    let config = program.shape.config;
+    let colors = Simulator::new(method, &config)
+        .map(|simulator| Colors::new(simulator, contract, litmus, Bounds::of(method, &config)));
+    let room = match (method.holds(), &colors) {
+        (_, Some(colors)) => colors.simulator.room() as u32,
+        (HeldKind::Records, _) => n * merged::WORDS,
+        _ => n,
+    };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     let mut others = BTreeMap::new();
     let mut fill = true;
@@ -258,7 +267,10 @@ fn run(
             program.run(|function| program.compute(function, &fragments))?;
             let got = resolve(program, &[0; 256], &starts)?;
             for pixel in 0..COPIES as usize {
-                let found = held(method.holds(), got.pixel(pixel), &distances);
+                let found = match &colors {
+                    Some(colors) => colors.held(pixel as u32, got.pixel(pixel), tally),
+                    None => held(method.holds(), got.pixel(pixel), &distances),
+                };
                 match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
                     Some(count) => *count += 1,
                     None => *others.entry(found).or_default() += 1,
@@ -267,6 +279,41 @@ fn run(
         }
     }
     Ok(others)
+}
+
+/// What the pixels of a method that approximates hold.
+struct Colors {
+    simulator: Simulator,
+    bounds: Bounds,
+    /// The fragments of a pixel in canonical order, where what it holds depends on where on the screen it is.
+    placed: Option<Vec<Fragment>>,
+}
+
+impl Colors {
+    fn new(simulator: Simulator, contract: &Contract, litmus: &Litmus, bounds: Bounds) -> Self {
+        let placed = contract.extra == Extra::Primitive;
+        Self { simulator, bounds, placed: placed.then(|| litmus.sorted(contract, 0)) }
+    }
+
+    /// What these words of a pixel are: of the explored outcomes, the one that they are near enough to. Where the place
+    /// on the screen matters, outcomes are those of another place; then it is the only one, if the pixel holds what it
+    /// must in its own.
+    fn held(&self, pixel: u32, words: &[u64], explored: &BTreeMap<Held, u64>) -> Held {
+        let light = self.simulator.light(pixel, words);
+        let found = Held::Light(light);
+        let is_near = |known: &Held| match known {
+            Held::Light(known) => self.bounds.is_near(known, &light),
+            _ => false,
+        };
+        let known = match &self.placed {
+            Some(fragments) => {
+                let right = self.simulator.expected(pixel, fragments).as_ref() == Some(&found);
+                explored.keys().next().filter(|_| right && explored.len() == 1)
+            }
+            None => explored.keys().find(|known| is_near(known)),
+        };
+        known.cloned().unwrap_or(found)
+    }
 }
 
 /// What a device emits for a pixel. A depth is a record without data, or none.

@@ -6,10 +6,10 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
-use super::merged::Promised;
+use super::expected::{Expected, Question, colored, kept, merged};
 use crate::exec::Method;
 use crate::exec::promise::{Promise, bound};
-use crate::fragment::{Data, Fragment, data_of, depth_of, key};
+use crate::fragment::{Data, Fragment};
 use crate::memory::Inputs;
 use crate::num::color::{srgb, word16};
 use crate::num::depth::Format;
@@ -18,11 +18,11 @@ use crate::num::random::Random;
 use crate::raster::primitive::Rect;
 use crate::raster::slab::Slabs;
 use crate::raster::{Batch, CullFace, FrontEnd, Grid, Record};
-use crate::resolve::composite::Ray;
 use crate::scene::{Scene, Thickness};
-use crate::scheme::contract::{Contract, Keeps};
+use crate::scheme::approximate::Approximation;
+use crate::scheme::contract::{Contract, Extra, Keeps};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
-use crate::scheme::{Config, Depth, Held, exact};
+use crate::scheme::{Config, exact};
 
 /// Tile edge: small, so that bands can be small.
 const TILE: u32 = 16;
@@ -43,6 +43,8 @@ pub struct Picture {
     /// The table in which a device looks up colours: the 256 linear 16-bit values at which sRGB bytes begin; then a
     /// colour for every triangle, its own at one of its pixels.
     pub palette: Vec<u32>,
+    /// What methods that approximate must know.
+    pub approximation: Approximation,
     bands: Vec<Range<usize>>,
 }
 
@@ -65,13 +67,20 @@ impl Picture {
             palette[256 + primitive.triangle as usize] = color;
         }
         let bands = bands(&front);
-        Self { front, background: scene.background.map(word16), palette, bands }
+        let approximation = Approximation::default();
+        Self { front, background: scene.background.map(word16), palette, approximation, bands }
     }
 
     /// How thick surfaces are that do not say so themselves, for methods whose fragments are slabs.
     #[must_use]
     pub fn thick(self, scene: &Scene, thickness: Thickness) -> Self {
         Self { front: self.front.thick(Slabs::new(scene, thickness)), ..self }
+    }
+
+    /// For methods that approximate, in this way.
+    #[must_use]
+    pub fn approximate(self, approximation: Approximation) -> Self {
+        Self { approximation, ..self }
     }
 
     /// The whole of it as one band.
@@ -119,16 +128,6 @@ pub struct Band<'p> {
     lists: Vec<Vec<u64>>,
     /// The answers given so far.
     answers: RefCell<Vec<(Question, Rc<Expected>)>>,
-}
-
-/// All that the right answer depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Question {
-    record: Record,
-    keeps: Keeps,
-    identical: bool,
-    arrival: bool,
-    k: Option<u32>,
 }
 
 impl<'p> Band<'p> {
@@ -204,6 +203,7 @@ impl<'p> Band<'p> {
             records: u64::from(k.unwrap_or(0))
                 * u64::from(self.grid.width)
                 * u64::from(self.grid.height),
+            approximation: self.picture.approximation,
             distances: Distances {
                 planes: self.picture.front.planes(),
                 format: contract.depth_format.unwrap_or_default(),
@@ -214,20 +214,26 @@ impl<'p> Band<'p> {
 
     /// The fragments as a method gets them, in the order of submission, or shuffled.
     #[must_use]
-    pub fn stream(&self, record: Record, shuffle: Option<u64>) -> Vec<Fragment> {
+    pub fn stream(
+        &self,
+        contract: &Contract,
+        record: Record,
+        shuffle: Option<u64>,
+    ) -> Vec<Fragment> {
         let all = 0..self.picture.front.primitives().len() as u32;
-        let mut fragments = self.stream_of(record, all);
+        let mut fragments = self.stream_of(record, contract.extra == Extra::Primitive, all);
         if let Some(seed) = shuffle {
             Random::new(seed, self.rows.start as u64).shuffle(&mut fragments);
         }
         fragments
     }
 
-    /// Those of some primitives.
+    /// Those of some primitives. If they are numbered, their third word is that of their triangle.
     #[must_use]
     pub fn stream_of(
         &self,
         record: Record,
+        numbered: bool,
         primitives: impl IntoIterator<Item = u32>,
     ) -> Vec<Fragment> {
         let front = &self.picture.front;
@@ -237,7 +243,12 @@ impl<'p> Band<'p> {
             front.primitive_packets(primitive, window, |packet| {
                 let place = front.grid.first_pixel(packet) - first;
                 front.fragments(packet, record, place, &mut batch);
+                let first = fragments.len();
                 fragments.extend_from_slice(batch.fragments());
+                if numbered {
+                    let extra = front.primitives()[primitive as usize].triangle;
+                    fragments[first..].iter_mut().for_each(|fragment| fragment.extra = extra);
+                }
             });
         }
         fragments
@@ -257,7 +268,8 @@ impl<'p> Band<'p> {
         let contract = method.contract();
         let (keeps, identical) = (contract.keeps, contract.keeps_alike());
         let (k, arrival) = (k.or(contract.default_k), contract.is_arrival_dependent());
-        let question = Question { record, keeps, identical, arrival, k };
+        let approximates = keeps.is_approximate().then_some(contract.name);
+        let question = Question { record, keeps, approximates, identical, arrival, k };
         let known = self.answers.borrow().iter().find(|(known, _)| *known == question).cloned();
         if let Some((_, answer)) = known {
             return answer;
@@ -276,6 +288,10 @@ impl<'p> Band<'p> {
         let counts = || self.lists.iter().map(|list| list.len() as u32).collect();
         let bound = bound(method, instance, question.k, &inputs, config.pixels, counts);
         let promise = Promise::new(method, instance, &inputs, bound);
+        if contract.keeps.is_approximate() {
+            let fragments = self.stream(contract, question.record, None);
+            return colored(method, config, fragments, &promise);
+        }
         if contract.keeps != Keeps::Merged {
             return kept(&self.lists, self.picture, contract, &promise, question);
         }
@@ -287,117 +303,8 @@ impl<'p> Band<'p> {
     }
 }
 
-/// What a method that merges must give for pixels with these fragments.
-fn merged(lists: &[Vec<Fragment>], promise: &Promise<'_>, config: &Config) -> Expected {
-    let keys = |list: &Vec<Fragment>| list.iter().map(|f| f.key()).collect();
-    let generated: Vec<Vec<u64>> = lists.iter().map(keys).collect();
-    let promised = Promised::new(lists, config.k.unwrap_or(u32::MAX), config.distances, promise);
-    Expected {
-        generated: Lists::of(&generated),
-        kept: Lists::of(&vec![Vec::new(); lists.len()]),
-        colors: Vec::new(),
-        merged: Some(promised),
-    }
-}
-
-/// What any other method must give.
-fn kept(
-    lists: &[Vec<u64>],
-    picture: &Picture,
-    contract: &Contract,
-    promise: &Promise<'_>,
-    Question { record, k, .. }: Question,
-) -> Expected {
-    let named = record.data == Data::Primitive;
-    let word = |&exact: &u64| {
-        let data = if named { data_of(exact) } else { 0 };
-        key(record.depth.encode(depth_of(exact)), data)
-    };
-    let pixel = |(pixel, list): (usize, &Vec<u64>)| {
-        let mut generated: Vec<u64> = list.iter().map(word).collect();
-        generated.sort_unstable();
-        let fragments: Vec<Fragment> = generated.iter().map(|&key| Fragment::of_key(key)).collect();
-        let mut kept = match promise.pixel(pixel as u32, &fragments) {
-            Some(Held::Keys(keys)) => keys,
-            // A twin emits a depth as a record without data, and none for no depth.
-            Some(Held::Depth(Depth(depth))) if depth < u32::MAX => vec![key(depth, 0)],
-            _ => Vec::new(),
-        };
-        // Some of them, as many as there are slots.
-        if let (Keeps::FirstArrivals, Some(slots)) = (contract.keeps, k) {
-            kept.truncate(slots as usize);
-        }
-        (generated, kept)
-    };
-    let color = |list: &Vec<u64>| {
-        let mut ray = Ray::default();
-        for &key in list {
-            let data = data_of(key);
-            ray.over(if named { picture.palette[256 + data as usize] } else { data });
-        }
-        u32::from_le_bytes(ray.finish(picture.background))
-    };
-    let (generated, kept): (Vec<_>, Vec<_>) = lists.par_iter().enumerate().map(pixel).unzip();
-    let colors = kept.par_iter().map(color).collect();
-    Expected { generated: Lists::of(&generated), kept: Lists::of(&kept), colors, merged: None }
-}
-
 fn grid(picture: &Picture, rows: &Range<usize>) -> Grid {
     let whole = picture.front.grid;
     let (top, bottom) = (rows.start as u32 * TILE, rows.end as u32 * TILE);
     Grid { height: bottom.min(whole.height) - top, ..whole }
-}
-
-/// Records of every storage pixel, one after another.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Lists {
-    /// Where each pixel's records begin; one entry more than there are pixels.
-    pub starts: Vec<u32>,
-    /// All records.
-    pub keys: Vec<u64>,
-}
-
-impl Lists {
-    fn of(lists: &[Vec<u64>]) -> Self {
-        let mut starts = vec![0];
-        let mut keys = Vec::with_capacity(lists.iter().map(Vec::len).sum());
-        for list in lists {
-            keys.extend_from_slice(list);
-            starts.push(keys.len() as u32);
-        }
-        Self { starts, keys }
-    }
-
-    /// A pixel's records.
-    #[must_use]
-    pub fn pixel(&self, pixel: usize) -> &[u64] {
-        &self.keys[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
-    }
-
-    /// How many pixels there are.
-    #[must_use]
-    pub fn pixels(&self) -> usize {
-        self.starts.len() - 1
-    }
-}
-
-/// What a method must give.
-#[derive(Clone, Debug)]
-pub struct Expected {
-    /// What was generated, sorted.
-    pub generated: Lists,
-    /// What is kept, front to back.
-    pub kept: Lists,
-    /// The pixels' colours, sRGB RGBA8.
-    pub colors: Vec<u32>,
-    /// Of a method that merges, all that it must give; nothing is then kept, and nothing coloured.
-    pub merged: Option<Promised>,
-}
-
-impl Expected {
-    /// Where each pixel's places begin in the results of resolve, and the end.
-    #[must_use]
-    pub fn starts(&self) -> &[u32] {
-        self.merged.as_ref().map_or(&self.kept.starts, |merged| &merged.starts)
-    }
 }

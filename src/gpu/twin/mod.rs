@@ -2,6 +2,9 @@
 //! rasterizer, and lists, resolved.
 
 pub mod band;
+pub mod bounds;
+pub mod expected;
+pub mod light;
 pub mod merged;
 pub mod program;
 pub mod raster;

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
+use super::bounds;
+use super::light;
 use super::shape::{FRAGMENT, SPARE, Shape, Words, words_of};
 use super::source::{Constants, Path, Twin};
 use crate::fragment::Fragment;
@@ -137,6 +139,7 @@ impl<'d> Program<'d> {
         if twin.needs_atomics64() && !device.atomics64 {
             return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
         }
+        bounds::can(&shape)?;
         shape.fits(device)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let mut words = Vec::new();
@@ -407,8 +410,12 @@ fn inputs(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
     device.filled("inputs", bytemuck::cast_slice(&words), BufferUsages::STORAGE)
 }
 
-/// What a method looks up: the logarithms of opacities, of one that mixes them; else the offsets of a hash table's ages.
+/// What a method looks up: a number for every opacity, of one that mixes or approximates; else the offsets of a hash
+/// table's ages.
 fn table(device: &Device, shape: &Shape) -> Result<wgpu::Buffer> {
+    if let Some(numbers) = light::table(shape.contract) {
+        return device.filled("numbers", bytemuck::cast_slice(&*numbers), BufferUsages::UNIFORM);
+    }
     if shape.contract.keeps == Keeps::Merged {
         return device.filled(
             "logarithms",

@@ -103,7 +103,7 @@ impl Triangles {
         if first < end {
             chunks.push(first..end);
         }
-        Self { instances, chunks, rest: band.stream_of(record, rest) }
+        Self { instances, chunks, rest: band.stream_of(record, false, rest) }
     }
 }
 
@@ -330,6 +330,11 @@ fn target(device: &Device, width: u32, height: u32) -> Result<wgpu::TextureView>
 pub fn knows_fragments_of(contract: &Contract) -> Result<()> {
     if contract.has_slabs() {
         let problem = "only on the compute path: its fragments are slabs, whose near ends the device does not compute";
+        return Err(Failure::Unsupported(problem.to_owned()));
+    }
+    if contract.keeps.is_approximate() {
+        let problem =
+            "only on the compute path: its fragments have colours, which the device does not shade";
         return Err(Failure::Unsupported(problem.to_owned()));
     }
     Ok(())

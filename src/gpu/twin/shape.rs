@@ -10,6 +10,7 @@ use crate::memory::{Inputs, Layout};
 use crate::num::depth::Format;
 use crate::raster::Record;
 use crate::scheme::Config;
+use crate::scheme::approximate::wboit::Weight;
 use crate::scheme::contract::{Contract, Keeps};
 use crate::scheme::culling::occupancy::MOST_WORDS;
 
@@ -105,13 +106,16 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
         constants = constants.with(&format!("INPUT_{name}"), first);
         first += words.len() as u64;
     }
+    if shape.contract.keeps.is_approximate() {
+        constants = of_approximation(constants, shape);
+    }
     constants
         .with("PIXELS", pixels)
         .with("WIDTH", grid.width.into())
         .with("HEIGHT", grid.height.into())
         .with("TILE", grid.tile.into())
         .with("COLUMNS", if grid.tile == 0 { 1 } else { grid.columns().into() })
-        .with("K", config.k.unwrap_or(8).into())
+        .with("K", config.k.or(shape.contract.default_k).unwrap_or(8).into())
         .with_room("SLOTS", slots.into())
         .with_room("GENERATED", config.generated)
         .with_room("BOUNDED", config.bounded)
@@ -127,11 +131,39 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
         .with("CELLS", table.cells().max(1))
         .with("AGES", table.ages.into())
         .with("DATA_IS_TRIANGLE", (record.data == Data::Primitive).into())
-        .with("HOLDS_RECORDS", (shape.contract.keeps == Keeps::Merged).into())
+        .with("HOLDS_RECORDS", holds_no_list(shape.contract).into())
         .with("DEPTH_SHIFT", if record.depth == Format::D24 { 8 } else { 0 })
         .with("BACKGROUND_R", red)
         .with("BACKGROUND_G", green)
         .with("BACKGROUND_B", blue)
+}
+
+/// Whether what resolve emits is no list of fragments, to be sorted and composited.
+fn holds_no_list(contract: &Contract) -> bool {
+    contract.keeps == Keeps::Merged || contract.keeps.is_approximate()
+}
+
+/// The constants of methods that approximate. What is a float is computed in f64, and rounded once.
+fn of_approximation(constants: Constants, shape: &Shape) -> Constants {
+    let approximation = shape.config.approximation;
+    let planes = shape.config.distances.planes;
+    let (near, far, last) = (planes.near, planes.far, f64::from(u32::MAX));
+    let weight = Weight::ALL.iter().position(|&weight| weight == approximation.weight);
+    constants
+        .with("WORDS64", shape.layout.per_pixel().words64)
+        .with("SAMPLES", approximation.samples.into())
+        .with("SEED_LOW", approximation.seed & u64::from(u32::MAX))
+        .with("SEED_HIGH", approximation.seed >> 32)
+        .with("MOMENTS", approximation.moments.into())
+        .with("WEIGHT", weight.unwrap_or_default() as u64)
+        .with("PARALLEL", planes.parallel.into())
+        .with_float("NEAR", near)
+        .with_float("DEPTH_STEP", (far - near) / last)
+        .with_float("NEAR_TIMES_FAR", near * far)
+        .with_float("NEAR_PER_FAR", near / far)
+        .with_float("SHARE_STEP", (1.0 - near / far) / last)
+        .with_float("TWICE_PER_LOG", 2.0 / libm::log(far / near))
+        .with_float("TWICE_PER_DEPTH", 2.0 / last)
 }
 
 /// A fragment's words.

@@ -33,6 +33,7 @@ const FILES: &[(&str, &str)] = files! {
     "shared/sort" "shared/wide" "shared/word64"
     "parts/counted_down" "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged"
     "parts/ranges" "parts/table"
+    "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
 macro_rules! twins {
@@ -62,6 +63,10 @@ const TWINS: &[(&str, &str)] = twins! {
     "occupancy" "culling/occupancy"
     "skb+ofm" "merging/skb_ofm"
     "dfb+ofm" "merging/dfb_ofm"
+    "wboit" "approximate/wboit"
+    "mbt" "approximate/mbt"
+    "mlab" "approximate/mlab"
+    "stochastic" "approximate/stochastic"
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.
@@ -208,6 +213,15 @@ impl Constants {
     #[must_use]
     pub fn with_signed(mut self, name: &str, value: i64) -> Self {
         let _ = writeln!(self.text, "const {name}: i32 = {value}i;");
+        self
+    }
+
+    /// Add a float: the nearest of single precision.
+    #[must_use]
+    pub fn with_float(mut self, name: &str, value: f64) -> Self {
+        let value = value as f32;
+        let value = if value.is_finite() { value } else { 0.0 };
+        let _ = writeln!(self.text, "const {name}: f32 = {value:e}f;");
         self
     }
 

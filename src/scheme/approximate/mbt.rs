@@ -84,7 +84,11 @@ impl Scale {
 
 /// The absorbance of a fragment.
 fn absorbance(fragment: Fragment) -> f64 {
-    match alpha(fragment.data) {
+    of_opacity(alpha(fragment.data))
+}
+
+fn of_opacity(alpha: u32) -> f64 {
+    match alpha {
         255 => OPAQUE,
         alpha => -libm::log(f64::from(255 - alpha) / 255.0),
     }
@@ -116,6 +120,12 @@ pub fn absorbed(
         if whole > 0.0 { 1.0 - libm::exp(log) } else { 0.0 }
     };
     along.iter().map(at).collect()
+}
+
+/// What a fragment of each opacity byte adds to b_0.
+#[must_use]
+pub fn absorbances() -> Box<[u64; 256]> {
+    Box::new(std::array::from_fn(|alpha| libm::round(of_opacity(alpha as u32) * MOMENT) as u64))
 }
 
 impl Mbt {

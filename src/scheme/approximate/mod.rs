@@ -22,7 +22,7 @@ pub mod hybrid;
 pub mod mbt;
 pub mod mlab;
 pub mod moments;
-mod passing;
+pub mod passing;
 pub mod stochastic;
 pub mod unsorted;
 pub mod wboit;

@@ -62,7 +62,9 @@ fn product(word: u64) -> f64 {
     libm::exp2(-(word as f64) / (1u64 << POINT) as f64)
 }
 
-fn logarithms() -> Box<[u64; 256]> {
+/// -log2(1 - α) of every opacity byte; that of 255 is not added.
+#[must_use]
+pub fn logarithms() -> Box<[u64; 256]> {
     let of = |alpha: usize| {
         let through = (255 - alpha.min(254)) as f64 / 255.0;
         libm::round(-libm::log2(through) * (1u64 << POINT) as f64) as u64
