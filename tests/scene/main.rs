@@ -43,7 +43,7 @@ trait World {
 
 impl World for fragloom::scene::Object {
     fn world(&self, vertex: u32) -> DVec3 {
-        let point = self.mesh.positions[vertex as usize].map(f64::from);
+        let point = self.mesh.positions[vertex as usize];
         self.transform.transform_point3(DVec3::from(point))
     }
 }
