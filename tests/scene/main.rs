@@ -6,6 +6,7 @@
 )]
 
 mod gltf;
+mod gltf_parts;
 mod hostile;
 mod load;
 mod models;
@@ -13,7 +14,9 @@ mod obj;
 mod pcd;
 mod ply;
 mod points;
+mod polygons;
 mod procedural;
+mod real;
 mod volumes;
 
 use fragloom::error::Result;
