@@ -25,9 +25,9 @@ pub enum CullFace {
     /// Draw both.
     #[default]
     None,
-    /// Leave out front faces: those seen counter-clockwise.
+    /// Leave out front faces: those seen counter-clockwise, or clockwise where their object is mirrored.
     Front,
-    /// Leave out back faces: those seen clockwise.
+    /// Leave out back faces: the others.
     Back,
 }
 
@@ -346,8 +346,8 @@ impl Chunk {
                 None => chunk.degenerate += 1,
                 Some(corners) => {
                     let polygon = target.viewport.clip(corners.clip);
-                    chunk.add(target, index, &polygon, |back, bounds| {
-                        placed.surface(&corners, target.seen(back), &target.viewport, bounds)
+                    chunk.add(target.of(placed), index, &polygon, |turned, bounds| {
+                        placed.surface(&corners, target.seen(turned), &target.viewport, bounds)
                     });
                 }
             }
@@ -362,11 +362,11 @@ impl Chunk {
                 None => chunk.degenerate += 1,
                 Some(lying) => {
                     let polygon = target.viewport.clip(lying.octagon());
-                    chunk.add(target, index, &polygon, |back, bounds| {
+                    chunk.add(target.of(placed), index, &polygon, |turned, bounds| {
                         placed.disc_surface(
                             disc,
                             &lying,
-                            target.seen(back),
+                            target.seen(turned),
                             &target.viewport,
                             bounds,
                         )
@@ -389,7 +389,8 @@ impl Chunk {
         chunk
     }
 
-    /// Set up one triangle; `surface(back, bounds)` is called only if the triangle is drawn.
+    /// Set up one triangle; `surface(turned, bounds)` is called only if the triangle is drawn, with whether its corners
+    /// are seen clockwise.
     fn add(
         &mut self,
         target: Target,
@@ -401,11 +402,12 @@ impl Chunk {
             Setup::Degenerate => self.degenerate += 1,
             Setup::Nothing => {}
             Setup::Visible(mut primitive) => {
-                // y points down, so a positive area is clockwise: the back.
-                let back = polygon.doubled_area() > 0;
+                // y points down, so a positive area is clockwise: the back, unless mirrored.
+                let turned = polygon.doubled_area() > 0;
+                let back = turned != target.mirrored;
                 if !target.cull.leaves_out(back) {
                     primitive.surface = self.surfaces.len() as u32;
-                    self.surfaces.push(surface(back, primitive.bounds));
+                    self.surfaces.push(surface(turned, primitive.bounds));
                     self.primitives.push(primitive);
                     self.backs.push(back);
                     if target.outlines {
@@ -429,15 +431,23 @@ struct Target {
     outlines: bool,
     /// Whether normals are.
     normals: bool,
+    /// Whether clockwise faces are front faces.
+    mirrored: bool,
 }
 
 impl Target {
     fn new(viewport: Viewport, image: Rect, cull: CullFace) -> Self {
-        Self { viewport, image, cull, attenuated: false, outlines: false, normals: false }
+        let (attenuated, outlines, normals, mirrored) = (false, false, false, false);
+        Self { viewport, image, cull, attenuated, outlines, normals, mirrored }
     }
 
-    fn seen(&self, back: bool) -> Seen {
-        Seen { turned: back, attenuated: self.attenuated, normals: self.normals }
+    /// For an object in place.
+    fn of(self, placed: &Placed<'_>) -> Self {
+        Self { mirrored: placed.is_mirrored(), ..self }
+    }
+
+    fn seen(&self, turned: bool) -> Seen {
+        Seen { turned, attenuated: self.attenuated, normals: self.normals }
     }
 }
 

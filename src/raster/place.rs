@@ -20,14 +20,15 @@ pub(super) struct Placed<'a> {
     world: Vec<DVec3>,
     clip: Vec<DVec4>,
     normals: Vec<[f32; 3]>,
+    mirrored: bool,
 }
 
 impl<'a> Placed<'a> {
     /// Transform an object's vertices, in parallel.
     #[must_use]
     pub(super) fn new(object: &'a Object, scene: &'a Scene, view_projection: DMat4) -> Self {
-        let to_world = |p: &[f32; 3]| {
-            let w = transform(&object.transform, DVec3::from(p.map(f64::from)));
+        let to_world = |&p: &[f64; 3]| {
+            let w = transform(&object.transform, DVec3::from(p));
             DVec3::new(w.x, w.y, w.z)
         };
         let mesh = &*object.mesh;
@@ -44,7 +45,14 @@ impl<'a> Placed<'a> {
             world,
             clip,
             normals,
+            mirrored: is_mirrored(&object.transform),
         }
+    }
+
+    /// Whether front faces are seen clockwise here, since the object is mirrored.
+    #[must_use]
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.mirrored
     }
 
     /// The corners of a triangle; `None` if it has no area in the world, or is not finite in clip space.
@@ -59,7 +67,8 @@ impl<'a> Placed<'a> {
         }
         let normals = (!self.normals.is_empty()).then(|| at.map(|i| self.normals[i]));
         let colors = (!self.mesh.colors.is_empty()).then(|| at.map(|i| self.mesh.colors[i]));
-        Some(Corners { clip, face_normal, normals, colors })
+        let alphas = (!self.mesh.alphas.is_empty()).then(|| at.map(|i| self.mesh.alphas[i]));
+        Some(Corners { clip, face_normal, normals, colors, alphas })
     }
 
     /// The surface of a triangle, as it is seen.
@@ -77,7 +86,7 @@ impl<'a> Placed<'a> {
     #[must_use]
     pub(super) fn disc(&self, disc: &Disc) -> Option<Lying> {
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-        let center = transform(&self.transform, wide(disc.center)).truncate();
+        let center = transform(&self.transform, DVec3::from(disc.center)).truncate();
         let axes = disc.axes.map(|axis| carry(&self.transform, wide(axis)).truncate());
         let normal = axes[0].cross(axes[1]);
         let lying = Lying {
@@ -121,6 +130,17 @@ fn transform(m: &DMat4, p: DVec3) -> DVec4 {
 fn cofactors(m: &DMat4) -> [DVec3; 3] {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(DVec4::truncate);
     [y.cross(z), z.cross(x), x.cross(y)]
+}
+
+/// Whether a transform turns a right hand into a left one: its determinant is below 0. Columns are scaled first, so that
+/// no product leaves the range.
+fn is_mirrored(m: &DMat4) -> bool {
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|column| {
+        let column = column.truncate();
+        let largest = column.abs().max_element();
+        if largest > 0.0 { column / largest } else { column }
+    });
+    x.dot(y.cross(z)) < 0.0
 }
 
 /// A normal in world space, unit length where it has a direction.

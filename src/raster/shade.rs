@@ -12,7 +12,7 @@
 //!   (0, 0, 0.55) + 0.25 c.
 //!
 //! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
-//! n.n are (x x' + y y') + z z'. A surface whose colour does not vary over it is shaded once, at set-up.
+//! n.n are (x x' + y y') + z z'. The opacity is the material's times the interpolated one of the corners. A surface whose colour does not vary over it is shaded once, at set-up.
 //!
 //! A disc has one colour and one normal. Where its opacity falls off, at a point (u, v) in half axes from its centre it
 //! is the disc's times exp(-((u u + v v) (s s)) / 2), with s the standard deviations from centre to rim. u and v are
@@ -116,6 +116,8 @@ pub struct Varying {
     face_normal: Rgb,
     colors: [Rgb; 3],
     alpha: f32,
+    /// Of the corners, multiplied with `alpha`.
+    alphas: Option<[f32; 3]>,
     shading: Shading,
     light: Lighting,
 }
@@ -144,6 +146,8 @@ pub struct Corners {
     pub normals: Option<[Rgb; 3]>,
     /// Vertex colours, if the mesh has them.
     pub colors: Option<[Rgb; 3]>,
+    /// Vertex opacities, if the mesh has them.
+    pub alphas: Option<[f32; 3]>,
 }
 
 /// How a triangle is seen.
@@ -173,7 +177,7 @@ impl Surface {
         let tint = |c: Rgb| std::array::from_fn(|i| c[i] * material.color[i]);
         let lit = material.shading != Shading::Flat;
         let varies = corners.normals.is_some() && (lit || normals);
-        if corners.colors.is_none() && !varies {
+        if corners.colors.is_none() && corners.alphas.is_none() && !varies {
             let Material { color, alpha, shading, .. } = *material;
             let even = Even { color, normal: face_normal, alpha, shading, light };
             return Self::even(even, (attenuated && lit) || normals);
@@ -185,6 +189,7 @@ impl Surface {
             face_normal,
             colors: corners.colors.map_or([material.color; 3], |c| c.map(tint)),
             alpha: material.alpha,
+            alphas: corners.alphas,
             shading: material.shading,
             light,
         }))
@@ -269,7 +274,7 @@ impl Varying {
         let parts = self.parts(x, y);
         let color = blend(parts, &self.colors);
         let rgb = self.light.shade(self.shading, color, self.normal(parts), reaches);
-        color::rgba8(rgb, self.alpha)
+        color::rgba8(rgb, self.alphas.map_or(self.alpha, |a| self.alpha * mixed(parts, a)))
     }
 
     /// How much of each corner there is at pixel (x, y); the sum is 1.
@@ -291,7 +296,12 @@ impl Varying {
 /// The mixture of three corners.
 #[inline(always)]
 fn blend(w: [f32; 3], v: &[Rgb; 3]) -> Rgb {
-    std::array::from_fn(|i| (w[0] * v[0][i] + w[1] * v[1][i]) + w[2] * v[2][i])
+    std::array::from_fn(|i| mixed(w, [v[0][i], v[1][i], v[2][i]]))
+}
+
+#[inline(always)]
+fn mixed(w: [f32; 3], v: [f32; 3]) -> f32 {
+    (w[0] * v[0] + w[1] * v[1]) + w[2] * v[2]
 }
 
 impl Lighting {
@@ -380,6 +390,7 @@ mod tests {
             face_normal: DVec3::Z,
             normals: None,
             colors: Some([[0.0; 3], [0.0; 3], [1.0; 3]]),
+            alphas: None,
         };
         let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.0 };
         let bounds = Rect { x0: 0, y0: 0, x1: 8, y1: 8 };

@@ -22,7 +22,7 @@ impl Bounds {
     pub fn of(objects: &[Object]) -> Self {
         let points = objects.iter().flat_map(|object| {
             object.mesh.triangles.iter().flatten().map(|&vertex| {
-                let point = object.mesh.positions[vertex as usize].map(f64::from);
+                let point = object.mesh.positions[vertex as usize];
                 object.transform.transform_point3(DVec3::from(point))
             })
         });
@@ -84,7 +84,7 @@ impl Bounds {
 /// its half axes do together, by Pythagoras.
 fn rim(object: &Object, disc: &Disc) -> [DVec3; 2] {
     let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    let center = object.transform.transform_point3(wide(disc.center));
+    let center = object.transform.transform_point3(DVec3::from(disc.center));
     let [a, b] = disc.axes.map(|axis| object.transform.transform_vector3(wide(axis)));
     let reach = DVec3::from(std::array::from_fn(|i| (a[i] * a[i] + b[i] * b[i]).sqrt()));
     [center - reach, center + reach]

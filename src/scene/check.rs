@@ -59,9 +59,16 @@ pub fn fraction(place: &str, field: &str, value: f32) -> Result<()> {
 pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
     let wrong = |problem: String| Err(Error::new(place, problem));
     let count = mesh.positions.len();
-    let attributes =
-        [("position", &mesh.positions), ("normal", &mesh.normals), ("color", &mesh.colors)];
-    for (field, values) in attributes {
+    if let Some(i) = mesh.positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        return wrong(format!("vertex {i}: position {:?} is not finite", mesh.positions[i]));
+    }
+    if !mesh.alphas.is_empty() && mesh.alphas.len() != count {
+        return wrong(format!("alpha: {} of them for {count} vertices", mesh.alphas.len()));
+    }
+    if let Some(i) = mesh.alphas.iter().position(|alpha| !(0.0..=1.0).contains(alpha)) {
+        return wrong(format!("vertex {i}: alpha {} is not within 0 to 1", mesh.alphas[i]));
+    }
+    for (field, values) in [("normal", &mesh.normals), ("color", &mesh.colors)] {
         if !values.is_empty() && values.len() != count {
             return wrong(format!("{field}: {} of them for {count} vertices", values.len()));
         }
@@ -85,11 +92,11 @@ pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
 /// A disc's own promises.
 fn check_disc(place: &str, index: usize, disc: &Disc) -> Result<()> {
     let wrong = |problem: String| Err(Error::new(place, format!("point {index}: {problem}")));
-    let [a, b] = disc.axes;
-    for (field, value) in [("position", disc.center), ("axis", a), ("axis", b)] {
-        if !value.iter().all(|c| c.is_finite()) {
-            return wrong(format!("{field} {value:?} is not finite"));
-        }
+    if !disc.center.iter().all(|c| c.is_finite()) {
+        return wrong(format!("position {:?} is not finite", disc.center));
+    }
+    if let Some(axis) = disc.axes.iter().find(|axis| !axis.iter().all(|c| c.is_finite())) {
+        return wrong(format!("axis {axis:?} is not finite"));
     }
     if !disc.color.iter().all(|c| (0.0..=1.0).contains(c)) {
         return wrong(format!("color {:?} is not within 0 to 1", disc.color));
@@ -123,7 +130,7 @@ pub fn screen(place: &str, index: usize, triangle: &ScreenTriangle) -> Result<()
 fn triangles(place: &str, scene: &Scene) -> Result<()> {
     let placed = scene.objects.iter().map(|object| object.mesh.primitives());
     match placed.fold(scene.screen.len(), usize::saturating_add) {
-        0 if scene.volumes.is_empty() => {
+        0 if scene.volumes.is_empty() && scene.objects.is_empty() => {
             Err(Error::new(place, "scene: has no triangle and no volume; it needs at least one"))
         }
         count if count > MAX_TRIANGLES => {

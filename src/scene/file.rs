@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::camera::AMBIENT;
 use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
+use super::parts::without_mark;
 use super::placement::Placement;
 use super::volume::VolumeTable;
 use super::{
@@ -120,6 +121,7 @@ struct ScreenTable {
 /// Names the line where TOML knows it, else the table and the field.
 pub fn parse(bytes: &[u8], place: &str) -> Result<Description> {
     let wrong = |problem: String| Error::new(place, problem);
+    let bytes = without_mark(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|error| wrong(format!("byte {}: is not UTF-8 text", error.valid_up_to())))?;
     let table: Document = toml::from_str(text).map_err(|error| {

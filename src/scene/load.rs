@@ -7,7 +7,7 @@ use super::draft::{Draft, Overrides, image_size};
 use super::file::{self, Source};
 use super::model::{Model, read_file};
 use super::procedural::{self, Builtin};
-use super::{PointSize, Scene, gltf, names, obj, pcd, ply};
+use super::{Mesh, PointSize, Scene, gltf, names, obj, pcd, ply};
 use crate::error::{Error, Result};
 
 /// The opacity given to surfaces of a mesh file that would be opaque.
@@ -18,7 +18,7 @@ pub const MESH_ALPHA: f32 = 0.5;
 ///
 /// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none given)
 /// become half transparent ([`MESH_ALPHA`]), since this program is not about opaque surfaces; an opacity below 1 is
-/// kept, be it the material's or that of any point. In a scene file, a mesh file's own materials are kept unchanged.
+/// kept, be it the material's or that of any point or vertex. In a scene file, a mesh file's own materials are kept unchanged.
 ///
 /// # Errors
 /// Names the file, option or scene, the field, and what would be right.
@@ -28,8 +28,11 @@ pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
         "toml" => scene_file(path, overrides),
         _ if is_mesh(path) => {
             let mut model = mesh_file(path, overrides.point_size()?)?;
-            let discs = model.objects.iter().flat_map(|object| &object.mesh.discs);
-            if discs.into_iter().all(|disc| disc.alpha >= 1.0) {
+            let opaque = |mesh: &Mesh| {
+                mesh.discs.iter().all(|disc| disc.alpha >= 1.0)
+                    && mesh.alphas.iter().all(|alpha| *alpha >= 1.0)
+            };
+            if model.objects.iter().all(|object| opaque(&object.mesh)) {
                 let opaque = model.materials.iter_mut().filter(|material| material.alpha >= 1.0);
                 opaque.for_each(|material| material.alpha = MESH_ALPHA);
             }

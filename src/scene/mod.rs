@@ -10,6 +10,7 @@ mod camera;
 pub mod check;
 mod draft;
 pub mod file;
+mod parts;
 pub mod gltf;
 mod load;
 mod model;
@@ -38,7 +39,7 @@ pub use self::thickness::Thickness;
 pub use self::volume::Volume;
 
 /// A whole scene, validated: every number is finite, every index is in range, and there is at least one
-/// triangle or volume.
+/// object, screen triangle or volume.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Its name in reports: the file's or the generator's name.
@@ -152,11 +153,13 @@ pub struct Object {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Finite.
-    pub positions: Vec<[f32; 3]>,
+    pub positions: Vec<[f64; 3]>,
     /// Empty, or one per position; need not be unit length.
     pub normals: Vec<[f32; 3]>,
     /// Empty, or one linear RGB per position.
     pub colors: Vec<[f32; 3]>,
+    /// Empty, or one opacity per position, 0..1; multiplied with the material's.
+    pub alphas: Vec<f32>,
     /// Each index is below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
     /// Points of a point set; drawn after the triangles.
@@ -170,7 +173,7 @@ pub struct Mesh {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// Finite.
-    pub center: [f32; 3],
+    pub center: [f64; 3],
     /// From the centre to the rim, at right angles to each other; finite. What is drawn is an ellipse also where they
     /// are not.
     pub axes: [[f32; 3]; 2],

@@ -118,7 +118,7 @@ fn materials_and_colours() {
         "/materials",
         json!([{"name": "m", "pbrMetallicRoughness": {
             "baseColorFactor": [0.5, 0.25, 0.125, 0.75],
-            "baseColorTexture": {"index": 0}}}]),
+            "baseColorTexture": {"index": 0}}, "alphaMode": "BLEND"}]),
     );
     document["meshes"][0]["primitives"][0] =
         json!({"attributes": {"POSITION": 0, "COLOR_0": 2}, "material": 0});
@@ -128,6 +128,7 @@ fn materials_and_colours() {
     let material = &model.materials[model.objects[0].material];
     assert_eq!((material.color, material.alpha), ([0.5, 0.25, 0.125], 0.75));
     assert_eq!(model.objects[0].mesh.colors, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.2]]);
+    assert_eq!(model.objects[0].mesh.alphas, [1.0, 128.0 / 255.0, 0.0]);
     assert_eq!(model.objects[0].mesh.triangles, [[0, 1, 2]], "not indexed");
     assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
 }
@@ -184,8 +185,7 @@ fn bad_documents_are_named() {
             json!(9),
             "POSITION: accessor 9: is not among the 3",
         ),
-        ("/meshes/0/primitives/0/attributes", json!({}), "mesh 0 primitive 0: has no POSITION"),
-        ("/meshes/0/primitives/0/attributes/NORMAL", json!(2), "NORMAL: accessor 2: type"),
+        ("/meshes/0/primitives/0/attributes", json!({}), "meshes: the scene has no triangle"),
         ("/meshes/0/primitives/0/indices", json!(9), "indices: accessor 9: is not among"),
         (
             "/meshes/0/primitives/0/material",
@@ -225,15 +225,22 @@ fn bad_documents_are_named() {
         ("/scene", json!(5), "scene: 5 is not among the 1"),
         (
             "/materials",
-            json!([{"pbrMetallicRoughness": {"baseColorFactor": [2, 0, 0, 1]}}]),
-            "baseColorFactor: 2",
+            json!([{"pbrMetallicRoughness": {"baseColorFactor": [2, 0, 0]}}]),
+            "material \"material 0\": baseColorFactor: must be a list of 4 numbers",
         ),
+        ("/nodes/0/matrix", json!([1, 2]), "node 0: matrix: must be a list of 16 numbers"),
+        ("/nodes/0/mesh", json!(-1), "mesh: must be a whole number from 0, not the number -1"),
+        ("/nodes/0/mesh", json!("a"), "mesh: must be a whole number from 0, not a text"),
+        ("/nodes", json!(5), "nodes: must be a list, not the number 5"),
+        ("/asset", json!({"version": "3.1"}), "asset.version: \"3.1\" is not known"),
+        ("/asset", json!({"version": "1.0"}), "asset.version: is glTF 1.0; convert it"),
+        ("/asset", json!({"version": "2.0", "minVersion": "2.1"}), "asset.minVersion: the file needs"),
         (
             "/extensionsRequired",
             json!(["KHR_draco_mesh_compression"]),
             "extensionsRequired: \"KHR_draco",
         ),
-        ("/asset", json!(3), "JSON: "),
+        ("/asset", json!(3), "asset.version: is missing"),
     ] {
         assert_fails(parse(&with(pointer, value)), &[message]);
     }
@@ -245,7 +252,8 @@ fn bad_containers_are_named() {
         let result = gltf::parse(bytes, "test.glb", &mut |_| unreachable!());
         assert_fails(result, &["test.glb: ", message]);
     };
-    fails(b"", "JSON");
+    fails(b"", "JSON: line 1: the text ends too early");
+    fails(b"[1]", "JSON: must be an object");
     fails(b"glTF", "GLB header: length");
     fails(b"glTF\x02\0\0\0\x0b\0\0\0", "GLB header: length: must be at least 12");
     fails(b"glTF\x02\0\0\0\xff\xff\xff\xff", "GLB");

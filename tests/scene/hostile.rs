@@ -53,7 +53,7 @@ fn assert_grid(result: Result<Grid>) {
 
 fn assert_whole(result: Result<Model>) {
     let Ok(model) = result else { return };
-    assert!(model.triangles() > 0);
+    assert!(!model.objects.is_empty());
     for object in &model.objects {
         check::mesh("it", &object.mesh).unwrap();
         assert!(object.material < model.materials.len());
@@ -86,7 +86,7 @@ fn load_as_all(bytes: &[u8]) {
 
 #[test]
 fn the_seeds_are_good() {
-    assert!(obj::parse(OBJ, "it", &mut |_| Some(MTL.to_vec())).unwrap().warnings.is_empty());
+    assert_eq!(obj::parse(OBJ, "it", &mut |_| Some(MTL.to_vec())).unwrap().warnings.len(), 1);
     ply::parse(PLY, "it").unwrap();
     ply::parse(POINTS, "it").unwrap();
     pcd::parse(PCD, "it").unwrap();

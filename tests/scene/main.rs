@@ -6,6 +6,7 @@
 )]
 
 mod gltf;
+mod gltf_parts;
 mod hostile;
 mod load;
 mod models;
@@ -13,7 +14,9 @@ mod obj;
 mod pcd;
 mod ply;
 mod points;
+mod polygons;
 mod procedural;
+mod real;
 mod volumes;
 
 use fragloom::error::Result;
@@ -43,7 +46,7 @@ trait World {
 
 impl World for fragloom::scene::Object {
     fn world(&self, vertex: u32) -> DVec3 {
-        let point = self.mesh.positions[vertex as usize].map(f64::from);
+        let point = self.mesh.positions[vertex as usize];
         self.transform.transform_point3(DVec3::from(point))
     }
 }

@@ -81,47 +81,114 @@ fn gaps_are_warnings() {
 #[test]
 fn bad_lines_are_named() {
     for (line, message) in [
-        ("f 1 2", "line 5: f: needs at least 3 vertices, not 2"),
-        ("f", "line 5: f: needs at least 3"),
+        ("f 1 2", "f: there is no face"),
+        ("f", "f: there is no face"),
         ("f 1 2 9", "line 5: f: vertex 9 is not among the 4 so far"),
         ("f 0 1 2", "line 5: f: vertex 0 is not among"),
         ("f 1 2 -5", "line 5: f: vertex -5 is not among"),
         ("f 1 2 99999999999999999999", "is not an index"),
         ("f 1 2 9223372036854775807", "line 5: f: vertex 9223372036854775807"),
         ("f 1 2 -9223372036854775808", "line 5: f: vertex -9223372036854775808"),
-        ("f 1/9223372036854775807 2 3", "line 5: f: texture coordinate"),
-        ("f 1//1 2//1 3//1", "line 5: f: normal 1 is not among the 0"),
         ("f 1/1/1/1 2 3", "line 5: f: "),
         ("f / / /", "line 5: f: \"/\" is not v, v/vt"),
         ("f a b c", "line 5: f: \"a\" is not an index"),
-        ("v 1 2", "line 5: v: needs 3 to 6 numbers, not 2"),
-        ("v 1 2 nan", "line 5: v: \"nan\" is not a finite number"),
-        ("v 1 2 1e99", "line 5: v: \"1e99\" is not a finite number"),
-        ("v 1 2 3 0", "line 5: v: w must not be 0"),
-        ("v 1 2 3 4 5", "line 5: v: needs x y z"),
-        ("v 1 2 3 255 0 0", "line 5: v: color"),
-        ("vn 1 2", "line 5: vn: needs 3 numbers, not 2"),
-        ("vt", "line 5: vt: needs 1 to 3 numbers, not 0"),
-        ("usemtl", "line 5: usemtl: needs the name"),
+        ("v 1 2\nf 1 2 5", "line 6: f: vertex 5 of line 5: needs 3 to 7 numbers, not 2"),
+        ("v 1 2 nan\nf 1 2 -1", "line 6: f: vertex 5 of line 5: \"nan\" is not a finite number"),
+        ("v 1 2 1e999\nf 1 2 5", "\"1e999\" is not a finite number"),
+        ("v 1 2 x\nf 1 2 5", "\"x\" is not a finite number"),
+        ("v 1 2 3 0\nf 1 2 5", "vertex 5 of line 5: w = 0 makes no finite place"),
+        ("v 1e308 1 1 1e-38\nf 1 2 5", "w = 0.00000000000000000000000000000000000001 makes no"),
         ("", "f: there is no face"),
     ] {
         assert_fails(square(line), &["test.obj: ", message]);
     }
-    assert_fails(obj::parse(b"v \xff", "x.obj", &mut |_| None), &["x.obj: byte 2: is not UTF-8"]);
-    assert_fails(parse("v 1e38 1 1 1e-38\nv 1 0 0\nv 0 1 0\nf 1 2 3"), &["vertex 0: position"]);
+    assert_fails(obj::parse(b"v \xff", "x.obj", &mut |_| None), &["x.obj: f: there is no face"]);
+}
+
+#[test]
+fn broken_attributes_are_left_out() {
+    for (line, message) in [
+        ("f 1/9223372036854775807 2 3", "line 5: f: texture coordinate 9223372036854775807 is not"),
+        ("f 1/x 2 3", "line 5: f: \"x\" is not an index"),
+        ("f 1//1 2//1 3//1", "line 5: f: normal 1 is not among the 0 so far"),
+        ("vn 1 2\nf 1//1 2//1 3//1", "line 5: vn 1 2: is no normal"),
+        ("vn 1 2 inf\nf 1//1 2//1 3//1", "line 5: vn 1 2 inf: is no normal"),
+        ("vt\nvt nan\nf 1/1 2/1 3/2", "line 6: vt nan: texture coordinates are wrong"),
+        ("f 1 2 3\nv 1 nan 3", "line 6: v: \"nan\" is not a finite number: no face uses"),
+        ("f 1 2 3\nv 1 2 3 4 5", "line 6: v 1 2 3 4 5: what follows x y z"),
+        ("f 1 2 3\nf 1 2\nf\nf 4", "line 6: f 1 2: faces of fewer than 3 corners are left out (3 in all)"),
+        ("f 1 2 3\ncurv 0 1 1 2\nsurf 0 1", "line 6: curv 0 1 1 2: free-form curves and surfaces"),
+    ] {
+        let model = square(line).unwrap();
+        assert_eq!((model.triangles(), model.objects[0].mesh.normals.len()), (1, 0), "{line}");
+        let said = model.warnings.iter().any(|warning| warning.contains(message));
+        assert!(said, "{line}: {:?}", model.warnings);
+    }
+}
+
+#[test]
+fn colours_are_clamped_and_may_have_an_opacity() {
+    let text = "v 0 0 0 255 -1 0.5 0.25\nv 1 0 0 1 1 1 7\nv 0 1 0 0 0 0\nf 1 2 3";
+    let model = parse(text).unwrap();
+    let mesh = &model.objects[0].mesh;
+    assert_eq!(mesh.colors, [[1.0, 0.0, 0.5], [1.0; 3], [0.0; 3]]);
+    assert_eq!(mesh.alphas, [0.25, 1.0, 1.0]);
+    assert_eq!(model.materials[0].color, [1.0; 3], "grey would darken them");
+    assert_eq!(model.warnings.len(), 1);
+    assert!(model.warnings[0].contains("line 1: v: color: 255: is not within 0 to 1"));
+}
+
+#[test]
+fn lines_go_on_and_end_in_any_way() {
+    for text in [
+        "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
+        "v 0 0 0\r\nv 1 0 0\nv 0 1 0\rf 1 2 3",
+        "v 0 0 \\\n0\nv 1 \\\r\n0 0\nv 0 1 0\nf 1 \\  \n 2 \\\n 3",
+        "# a comment, not \\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+        "\u{feff}v 0 0 0\nv +1. 0 0\nv .0 1e0 -0\nf 1 2 3 # gr\u{fc}n",
+    ] {
+        let mesh = parse(text).unwrap().objects[0].mesh.clone();
+        assert_eq!(mesh.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text:?}");
+        let latin: Vec<u8> = format!("#\n{text}").chars().map(|c| c as u8).collect();
+        let model = obj::parse(&latin, "test.obj", &mut |_| None);
+        assert!(text.starts_with('\u{feff}') || model.is_ok(), "{text:?}");
+    }
+}
+
+#[test]
+fn libraries_by_any_name() {
+    let color = |line: &str, files: &[&str]| {
+        let text = format!("{line}\n{SQUARE}usemtl m\nf 1 2 3");
+        let mut library = |name: &str| {
+            let there = files.contains(&name);
+            there.then(|| if name == "b.mtl" { "newmtl n" } else { "newmtl m\nKd 0 0 1" }.into())
+        };
+        let model = obj::parse(text.as_bytes(), "test.obj", &mut library).unwrap();
+        (model.materials[model.objects[0].material].color, model.warnings.len())
+    };
+    let blue = ([0.0, 0.0, 1.0], 0);
+    assert_eq!(color("mtllib a b.mtl", &["a b.mtl"]), blue);
+    assert_eq!(color("mtllib b.mtl  a.mtl # two", &["a.mtl", "b.mtl"]), blue);
+    assert_eq!(color("mtllib \"a b.mtl\"", &["a b.mtl"]), blue);
+    assert_eq!(color("mtllib \"b.mtl\" \"a b.mtl\"", &["a b.mtl", "b.mtl"]), blue);
+    assert_eq!(color("mtllib x\\y\\a b.mtl", &["x/y/a b.mtl"]), blue);
+    assert_eq!(color("mtllib \"x\\a.mtl\"", &["x/a.mtl"]), blue);
+    assert_eq!(color("mtllib none.mtl a.mtl", &["a.mtl"]), ([0.0, 0.0, 1.0], 1));
+    assert_eq!(color("mtllib", &[]), (GREY, 1));
 }
 
 #[test]
 fn bad_materials_are_named() {
     for (mtl, message) in [
-        ("newmtl", "a.mtl: line 1: newmtl: needs a name"),
         ("newmtl a\nKd 1 2", "a.mtl: line 2: Kd: needs 3 numbers, not 2"),
         ("newmtl a\nKd", "a.mtl: line 2: Kd: needs 1 to 3 numbers, not 0"),
         ("newmtl a\nd x", "a.mtl: line 2: d: \"x\" is not a finite number"),
-        ("newmtl a\nKd 2 0 0", "material \"a\": Kd: 2 is not within 0 to 1"),
-        ("newmtl a\nTr 7", "material \"a\": opacity by d or Tr: -6 is not within"),
+        ("newmtl a\nKd 2 0 0", "material \"a\": Kd: 2: is not within 0 to 1 and is clamped"),
+        ("newmtl a\nTr 7", "material \"a\": opacity by d or Tr: -6: is not within"),
+        ("newmtl a\nmap_Kd x.png", "material \"a\": map_Kd x.png: pictures are not drawn"),
     ] {
-        let text = format!("mtllib a.mtl\n{SQUARE}f 1 2 3");
-        assert_fails(with_library(&text, mtl), &[message]);
+        let text = format!("mtllib a.mtl\n{SQUARE}usemtl a\nf 1 2 3");
+        let warnings = with_library(&text, mtl).unwrap().warnings;
+        assert!(warnings.len() == 1 && warnings[0].contains(message), "{mtl}: {warnings:?}");
     }
 }

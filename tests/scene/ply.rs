@@ -98,10 +98,14 @@ fn lying_headers_are_refused_before_reading() {
         ("property float x", "property float u", "element vertex: property x: is missing"),
         ("vertex_indices", "corners", "element face: property vertex_indices: is missing"),
         ("element vertex", "element vertices", "element vertex: is missing"),
-        ("property float x", "property list uchar float x", "unsupported"),
-        ("list uchar int", "list uchar float", "unsupported"),
-        ("format ascii 1.0\n", "", "No format"),
-        ("ply\n", "plx\n", "magic"),
+        ("property float x", "property list uchar float x", "property x: is missing"),
+        ("list uchar int", "list uchar word", "line 11: type \"word\" is none of PLY's"),
+        ("format ascii 1.0\n", "", "header: format is missing"),
+        ("format ascii", "format text", "line 2: format: must be ascii"),
+        ("end_header\n", "", "is not a line of a PLY header"),
+        ("element face 1", "element vertex 1", "element vertex: is there twice"),
+        ("element face 1", "element face x", "element face: count: \"x\" is not a whole number"),
+        ("ply\n", "plx\n", "line 1: must be \"ply\""),
     ] {
         let text = format!("{HEADER}{VERTICES}4 0 1 2 3\n").replacen(from, to, 1);
         assert_fails(parse(&text), &["test.ply: ", message]);
@@ -111,16 +115,47 @@ fn lying_headers_are_refused_before_reading() {
 #[test]
 fn bad_faces_and_vertices_are_named() {
     for (face, message) in [
-        ("2 0 1", "face 0: vertex_indices: needs at least 3, not 2"),
+        ("2 0 1", "element face: no face has 3 corners"),
         ("3 0 1 4", "face 0: vertex_indices: 4 is not below the 4 vertices"),
         ("3 0 1 -1", "face 0: vertex_indices: -1 is not below"),
-        ("9 0 1 2", "Line 18"),
-        ("3 0 1 x", "Line 18"),
+        ("3 0 1 0.5", "face 0: vertex_indices: 0.5 is not below"),
+        ("9 0 1 2", "face 0: vertex_indices: line 18: a list of 9 items does not fit"),
+        ("4 0 1 2", "face 0: vertex_indices: line 18: the file ends before it"),
+        ("3 0 1 x", "face 0: vertex_indices: line 17: \"x\" is not a number"),
     ] {
         assert_fails(parse(&format!("{HEADER}{VERTICES}{face}\n")), &["test.ply: ", message]);
     }
-    let infinite = VERTICES.replace("1 1 0", "1 1e99 0");
-    assert_fails(parse(&format!("{HEADER}{infinite}3 0 1 2\n")), &["test.ply: vertex 2: position"]);
+    let infinite = VERTICES.replace("1 1 0", "1 1e999 0");
+    assert_fails(parse(&format!("{HEADER}{infinite}3 0 1 2\n")), &["vertex 2: position"]);
+    let spared = parse(&format!("{HEADER}{infinite}3 0 1 3\n")).unwrap();
+    assert!(spared.warnings[0].contains("vertex 2: position"), "{:?}", spared.warnings);
     let bright = HEADER.replace("uchar red", "float red");
-    assert_fails(parse(&format!("{bright}{VERTICES}3 0 1 2\n")), &["test.ply: vertex 0: color"]);
+    let bright = parse(&format!("{bright}{VERTICES}3 0 1 2\n")).unwrap();
+    assert!(bright.warnings[0].contains("vertex 0: red: 255: is not within 0 to 1"));
+    assert_eq!(bright.objects[0].mesh.colors[0], [1.0, 0.0, 0.0]);
+    let gone = parse(&format!("{HEADER}{VERTICES}2 0 1\n").replace("face 1", "face 2").replace(
+        "2 0 1\n", "2 0 1\n3 0 1 2\n")).unwrap();
+    assert!(gone.warnings[0].contains("face 0: faces of fewer than 3 corners"));
+}
+
+/// Elements in any order, strips that begin anew, opacities, numbers as C prints them, any line ends.
+#[test]
+fn what_other_programs_write() {
+    let text = "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list uint64 int8 vertex_indices\n\
+        element edge 1\nproperty int vertex1\nelement vertex 4\nproperty float64 x\nproperty float y\n\
+        property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n\
+        property float nx\nproperty float ny\nproperty float nz\nend_header\n8 0 1 2 3 -1 0 2 3\n0\n\
+        .5 +1 1.\n255 255 255 51 0 0 1\n1e-3 0 0 0 0 0 255 0 0 1\n-.5 0 0 0 0 0 255 -nan(ind) 0 1\n\
+        0.1 0 7 0 0 0 255 0 0 1\n";
+    for ends in ["\n", "\r", "\r\n"] {
+        let text = format!("\u{feff}{}", text.replace('\n', ends));
+        let model = parse(&text).unwrap();
+        let mesh = &model.objects[0].mesh;
+        assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [0, 2, 3]]);
+        assert_eq!((mesh.positions[0], mesh.positions[3]), ([0.5, 1.0, 1.0], [0.1, 0.0, 7.0]));
+        assert_eq!((mesh.alphas[0], mesh.alphas[1]), (0.2, 1.0));
+        assert_eq!(mesh.normals[2], [0.0; 3], "shaded by the face's own");
+        assert_eq!(model.materials[0].color, [1.0; 3], "grey would darken colours");
+        assert_eq!(model.warnings.len(), 2, "{:?}", model.warnings);
+    }
 }

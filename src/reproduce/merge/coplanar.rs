@@ -31,7 +31,7 @@ fn faces(scene: &Scene) -> Vec<Face> {
     for (number, object) in (0..).zip(&scene.objects) {
         for triangle in &object.mesh.triangles {
             let corners = triangle.map(|i| {
-                let position = object.mesh.positions[i as usize].map(f64::from);
+                let position = object.mesh.positions[i as usize];
                 let corner = object.transform.transform_point3(position.into());
                 corner.to_array().map(|x| (x * 1e6).round() as i64)
             });

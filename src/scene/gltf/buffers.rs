@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use gltf::binary::Glb;
-use gltf::json::Root;
+use serde_json::Value;
 
 use super::super::model::Unplaced;
+use super::json;
 use crate::error::{Error, Result};
 
 /// Exporters differ in whether they pad.
@@ -17,47 +17,78 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-type Chunks<'a> = (Cow<'a, [u8]>, Option<Cow<'a, [u8]>>);
+/// What to do with a file of the version before.
+pub(super) const CONVERT: &str =
+    "is glTF 1.0; convert it to glTF 2.0, for example by importing and exporting it in Blender";
 
-/// The JSON and, of a GLB file, the binary chunk.
-pub(super) fn split<'a>(bytes: &'a [u8], place: &str) -> Result<Chunks<'a>> {
+type Chunks<'a> = (&'a [u8], Option<&'a [u8]>);
+
+/// The JSON and, of a GLB file, the binary chunk. Other chunks are left out.
+pub(super) fn split(bytes: &[u8]) -> Unplaced<Chunks<'_>> {
     if !bytes.starts_with(b"glTF") {
-        return Ok((bytes.into(), None));
+        return Ok((bytes, None));
     }
-    // The crate subtracts the header from the file's own length without checking.
-    let length = bytes.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    if length.is_none_or(|length| length < 12) {
-        return Err(Error::new(place, "GLB header: length: must be at least 12"));
+    let word = |at: usize| {
+        let word = bytes.get(at..at + 4)?.try_into().ok()?;
+        Some(u32::from_le_bytes(word) as usize)
+    };
+    let header = word(4).zip(word(8)).filter(|(_, length)| *length >= 12);
+    let (version, length) = header.ok_or("GLB header: length: must be at least 12")?;
+    match version {
+        1 => return Err(format!("GLB header: version 1 {CONVERT}")),
+        2 => {}
+        _ => return Err(format!("GLB header: version: {version} must be 2")),
     }
-    let glb = Glb::from_slice(bytes).map_err(|error| Error::new(place, format!("GLB: {error}")))?;
-    Ok((glb.json, glb.bin))
+    if length > bytes.len() {
+        let have = bytes.len();
+        return Err(format!("GLB header: length: is {length}, but the file has {have} bytes"));
+    }
+    let (mut json, mut bin, mut at) = (None, None, 12);
+    while let Some((size, kind)) = word(at).zip(bytes.get(at + 4..at + 8)) {
+        let Some(data) = bytes.get(at + 8..).and_then(|left| left.get(..size)) else {
+            return Err(format!("GLB chunk at byte {at}: its {size} bytes are not in the file"));
+        };
+        match kind {
+            b"JSON" if json.is_none() => json = Some(data),
+            b"BIN\0" if bin.is_none() => bin = Some(data),
+            _ => {}
+        }
+        at += 8 + size;
+    }
+    Ok((json.ok_or("GLB: there is no JSON chunk")?, bin))
 }
 
-/// The bytes of every buffer, each at least as long as it says.
+/// The bytes of every buffer, each at least as long as it says, or what is wrong with it, which matters only where it
+/// is used.
 pub(super) fn load<'a>(
-    root: &Root,
-    mut bin: Option<Cow<'a, [u8]>>,
+    root: &Value,
+    mut bin: Option<&'a [u8]>,
     place: &str,
     read: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-) -> Result<Vec<Cow<'a, [u8]>>> {
+) -> Unplaced<Vec<Result<Cow<'a, [u8]>>>> {
     let mut buffers = Vec::new();
-    for (i, buffer) in root.buffers.iter().enumerate() {
+    for (i, buffer) in json::list(root, "buffers")?.iter().enumerate() {
         let wrong = |problem: String| Error::new(place, format!("buffer {i}: {problem}"));
-        let bytes = match &buffer.uri {
-            Some(uri) if uri.starts_with("data:") => Cow::from(decode(uri).map_err(&wrong)?),
+        let uri = json::text(buffer, "uri");
+        let mut bytes = || match uri {
+            Some(uri) if uri.starts_with("data:") => Ok(Cow::from(decode(uri).map_err(&wrong)?)),
             Some(uri) if uri.contains("://") => {
-                return Err(wrong("uri: must be a relative path or a data: URI".to_owned()));
+                Err(wrong("uri: must be a relative path or a data: URI".to_owned()))
             }
-            Some(uri) => Cow::from(read(&percent_decoded(uri).map_err(&wrong)?)?),
+            Some(uri) => Ok(Cow::from(read(&percent_decoded(uri).map_err(&wrong)?)?)),
             None => bin
                 .take()
-                .ok_or_else(|| wrong("uri: is missing, and there is no GLB chunk".into()))?,
+                .map(Cow::from)
+                .ok_or_else(|| wrong("uri: is missing, and there is no GLB chunk".to_owned())),
         };
-        let (have, need) = (bytes.len() as u64, buffer.byte_length.0);
-        if have < need {
-            return Err(wrong(format!("byteLength: is {need}, but there are only {have} bytes")));
-        }
-        buffers.push(bytes);
+        buffers.push(bytes().and_then(|bytes| {
+            let need = json::index(buffer, "byteLength").map_err(&wrong)?.unwrap_or_default();
+            let have = bytes.len();
+            if have >= need {
+                return Ok(bytes);
+            }
+            Err(wrong(format!("byteLength: is {need}, but there are only {have} bytes")))
+        }));
     }
     Ok(buffers)
 }

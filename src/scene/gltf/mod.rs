@@ -1,24 +1,33 @@
-//! glTF 2.0 and GLB. The `gltf` crate reads the JSON and splits GLB files; its own validation and its accessor
-//! readers panic on some hostile files (a POSITION out of range, an accessor of no elements), so this module
-//! walks the plain JSON structures and checks each index, offset and count where it uses it.
+//! glTF 2.0 and GLB, walked as plain JSON: each index, offset and count is checked where it is used, and what nobody
+//! draws is not looked at.
 //!
-//! Drawn are the meshes of the default scene (else the first, else all root nodes), each node's transform
-//! applied after its children's. Not drawn: textures (one warning), points and lines (one warning), skins,
-//! morph targets, cameras and lights.
+//! Drawn are the meshes of the default scene (else the first, else all root nodes), each node's transform applied after
+//! its children's: with morph targets and skins at rest, and instances. Not drawn: textures, points and lines (a warning
+//! each), cameras and lights.
 
 mod accessor;
 mod buffers;
+mod extensions;
+mod instances;
+mod json;
+mod mask;
+mod materials;
 mod nodes;
+mod primitive;
+mod skin;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
+use glam::DMat4;
+use serde_json::Value;
 
 use self::accessor::Data;
+use self::materials::Mode;
+use self::primitive::Found;
 use super::model::{GREY, MAX_TRIANGLES, Unplaced};
-use super::{Material, Mesh, Model, check};
+use super::parts::Tally;
+use super::{Material, Mesh, Model, Object, check};
 use crate::error::{Error, Result};
 
 /// The meshes of a glTF or GLB file: one object per node and primitive. `place` names the file in messages;
@@ -31,170 +40,280 @@ pub fn parse(
     place: &str,
     read: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> Result<Model> {
-    let (json, bin) = buffers::split(bytes, place)?;
-    let root =
-        Root::from_slice(&json).map_err(|error| Error::new(place, format!("JSON: {error}")))?;
-    check_extensions(&root, place)?;
-    let buffers = buffers::load(&root, bin, place, read)?;
+    let wrong = |problem: String| Error::new(place, problem);
+    let (json, bin) = buffers::split(bytes).map_err(wrong)?;
+    let root = json::parse(json).map_err(wrong)?;
+    check_version(&root).map_err(wrong)?;
+    let mut tally = Tally::default();
+    extensions::check(&root, &mut tally).map_err(wrong)?;
+    let buffers = buffers::load(&root, bin, place, read).map_err(wrong)?;
     let mut loader = Loader {
         data: Data { root: &root, buffers, place },
         model: Model::default(),
-        skipped: 0,
+        modes: Vec::new(),
+        known: BTreeMap::new(),
+        tally,
         read: 0,
+        gone: false,
     };
-    loader.materials()?;
-    let meshes = (0..root.meshes.len()).map(|i| loader.mesh(i)).collect::<Result<Vec<_>>>()?;
-    for (mesh, transform) in nodes::placed_meshes(&root, place)? {
-        let parts = meshes.get(mesh).ok_or_else(|| {
-            Error::new(place, format!("nodes: mesh {mesh} is not among the {}", meshes.len()))
-        })?;
-        for (part, material) in parts {
-            loader.model.add_placed(Arc::clone(part), transform, *material);
-        }
-    }
+    loader.materials().map_err(wrong)?;
+    loader.nodes()?;
     loader.finish()
 }
 
-/// Extensions that change how geometry is stored are refused; those that change how it looks are ignored.
-fn check_extensions(root: &Root, place: &str) -> Result<()> {
-    let harmless =
-        ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_mesh_quant"];
-    let strange = |name: &&String| !harmless.iter().any(|prefix| name.starts_with(prefix));
-    match root.extensions_required.iter().find(strange) {
-        Some(name) => {
-            let problem = format!("extensionsRequired: {name:?} is not supported");
-            Err(Error::new(place, problem))
+/// `asset.minVersion`, else the major number of `asset.version`, must be 2.
+fn check_version(root: &Value) -> Unplaced<()> {
+    let asset = json::get(root, "asset").unwrap_or(&Value::Null);
+    if let Some(least) = json::text(asset, "minVersion").filter(|least| *least != "2.0") {
+        if !least.starts_with("1.") {
+            let least: String = least.chars().take(20).collect();
+            return Err(format!(
+                "asset.minVersion: the file needs a reader of glTF {least}; this one reads 2.0, so export it as that"
+            ));
         }
-        None => Ok(()),
+    }
+    let version = json::get(asset, "version");
+    let text = version.and_then(Value::as_str).map(str::to_owned);
+    // A number is wrong, but says the same.
+    let text = text.or_else(|| version.and_then(Value::as_f64).map(|v| v.to_string()));
+    let by_name = ["meshes", "nodes", "accessors"];
+    match text.as_deref().map(|text| text.split('.').next().unwrap_or_default()) {
+        Some("2") => Ok(()),
+        Some("0" | "1") => Err(format!("asset.version: {}", buffers::CONVERT)),
+        None if by_name.iter().any(|key| root.get(key).is_some_and(Value::is_object)) => {
+            Err(format!("asset.version: is missing; the file {}", buffers::CONVERT))
+        }
+        Some(_) => {
+            let text: String = text.unwrap_or_default().chars().take(20).collect();
+            Err(format!("asset.version: {text:?} is not known; export the file as glTF 2.0"))
+        }
+        None => Err("asset.version: is missing; it must be \"2.0\"".to_owned()),
     }
 }
+
+/// The most objects.
+const MOST: usize = 1 << 22;
 
 struct Loader<'a> {
     data: Data<'a>,
     model: Model,
-    /// How many primitives are points or lines.
-    skipped: usize,
+    /// What the opacity of each material means.
+    modes: Vec<Mode>,
+    /// Meshes by number and weights.
+    known: BTreeMap<(usize, Vec<u64>), Vec<Part>>,
+    tally: Tally,
     /// How many corners and vertices were read so far.
     read: usize,
+    /// Whether something is there that is not to be seen.
+    gone: bool,
 }
 
 /// A mesh with the index of its material.
 type Part = (Arc<Mesh>, usize);
 
-impl Loader<'_> {
-    fn materials(&mut self) -> Result<()> {
-        for (i, material) in self.data.root.materials.iter().enumerate() {
-            let name = material.name.clone().unwrap_or_else(|| format!("material {i}"));
-            let [r, g, b, alpha] = material.pbr_metallic_roughness.base_color_factor.0;
-            let field = format!("material {name:?}: baseColorFactor");
-            check::color(self.data.place, &field, [r, g, b])?;
-            check::fraction(self.data.place, &field, alpha)?;
-            self.model.add_material(Material::new(name, [r, g, b], alpha));
+impl<'a> Loader<'a> {
+    fn materials(&mut self) -> Unplaced<()> {
+        for (i, value) in json::list(self.data.root, "materials")?.iter().enumerate() {
+            let (material, mode) = materials::read(i, value, &mut self.tally)?;
+            self.model.add_material(material);
+            self.modes.push(mode);
         }
+        // Of primitives without one: grey, or white for the colours of vertices to show.
         self.model.add_material(Material::new("default", GREY, 1.0));
+        self.modes.push(Mode::Opaque);
         Ok(())
     }
 
-    fn mesh(&mut self, index: usize) -> Result<Vec<Part>> {
-        let primitives = &self.data.root.meshes[index].primitives;
-        let mut parts = Vec::new();
-        for (i, primitive) in primitives.iter().enumerate() {
-            let name = format!("mesh {index} primitive {i}");
-            match primitive.mode {
-                Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => {
-                    parts.push(self.primitive(primitive, &name)?);
-                }
-                Checked::Valid(_) => self.skipped += 1,
-                Checked::Invalid => {
-                    return Err(Error::new(
-                        self.data.place,
-                        format!("{name}: mode: must be 0 to 6"),
-                    ));
+    fn nodes(&mut self) -> Result<()> {
+        let root = self.data.root;
+        let placed = nodes::walk(root).map_err(|problem| Error::new(self.data.place, problem))?;
+        self.gone |= placed.hidden > 0;
+        let nodes = json::list(root, "nodes").unwrap_or_default();
+        for index in placed.seen {
+            let (node, place) = (&nodes[index], placed.places[index].unwrap_or_default());
+            let own = json::text(node, "name").map_or_else(String::new, |own| format!(" {own:?}"));
+            let name = format!("node {index}{own}");
+            let field = |key| json::index(node, key).map_err(|p| self.data.wrong(&name, &p));
+            let (Some(mesh), skin) = (field("mesh")?, field("skin")?) else { continue };
+            let instances = self.data.instances(node, &name)?;
+            let weights = self.weights(node, mesh, &name)?;
+            let joints = match skin {
+                Some(skin) => Some((skin, self.data.joints(skin, &placed.places)?)),
+                None => None,
+            };
+            if let Some((skin, joints)) = joints {
+                let joints = joints.and_then(|joints| match instances {
+                    None => Ok(joints),
+                    Some(_) => Err("it has instances, too"),
+                });
+                let said = match joints {
+                    Ok(joints) => self.skinned(mesh, &weights, &joints)?,
+                    Err(problem) => Err(problem),
+                };
+                match said {
+                    Ok(parts) => {
+                        self.place(&parts, DMat4::IDENTITY);
+                        continue;
+                    }
+                    Err(problem) => {
+                        self.tally.add("the skin is left out", || {
+                            format!("{name}: skin {skin}: {problem}")
+                        });
+                    }
                 }
             }
+            let parts = self.parts(mesh, &weights)?;
+            match instances {
+                None => self.place(&parts, place),
+                Some(instances) => {
+                    for instance in instances {
+                        self.place(&parts, place * instance);
+                    }
+                }
+            }
+            self.check_count()?;
         }
+        Ok(())
+    }
+
+    fn place(&mut self, parts: &[Part], place: DMat4) {
+        for (mesh, material) in parts {
+            self.model.add_placed(Arc::clone(mesh), place, *material);
+        }
+    }
+
+    /// The weights of morph targets: the node's, else the mesh's.
+    fn weights(&self, node: &Value, mesh: usize, name: &str) -> Result<Vec<f64>> {
+        let meshes = json::list(self.data.root, "meshes");
+        let meshes = meshes.map_err(|problem| Error::new(self.data.place, problem))?;
+        let Some(mesh) = meshes.get(mesh) else {
+            let problem = format!("nodes: mesh {mesh} is not among the {}", meshes.len());
+            return Err(Error::new(self.data.place, problem));
+        };
+        let own = if json::get(node, "weights").is_some() { node } else { mesh };
+        let weights = json::list(own, "weights").map_err(|p| self.data.wrong(name, &p))?;
+        Ok(weights.iter().map(|weight| weight.as_f64().unwrap_or_default()).collect())
+    }
+
+    /// A mesh as it is drawn, read once for each set of weights.
+    fn parts(&mut self, mesh: usize, weights: &[f64]) -> Result<Vec<Part>> {
+        let key = (mesh, weights.iter().map(|weight| weight.to_bits()).collect());
+        if let Some(parts) = self.known.get(&key) {
+            return Ok(parts.clone());
+        }
+        let mut parts = Vec::new();
+        for (i, primitive) in self.primitives(mesh)?.iter().enumerate() {
+            let name = format!("mesh {mesh} primitive {i}");
+            if let Some(found) = self.primitive(primitive, &name, weights)? {
+                parts.push(self.finished(found, primitive, &name)?);
+            }
+        }
+        self.known.insert(key, parts.clone());
         Ok(parts)
     }
 
-    fn primitive(&mut self, primitive: &Primitive, name: &str) -> Result<Part> {
-        let wrong = |problem: String| Error::new(self.data.place, format!("{name}: {problem}"));
-        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
-        let positions =
-            attribute(Semantic::Positions).ok_or_else(|| wrong("has no POSITION".into()))?;
-        let positions = self.data.vectors(positions.value(), "POSITION", name)?;
-        let optional = |index: Option<&Index<_>>, semantic| match index {
-            Some(index) => self.data.vectors(index.value(), semantic, name),
-            None => Ok(Vec::new()),
-        };
-        let order = match primitive.indices {
-            Some(index) => self.data.indices(index.value(), name)?,
-            None => (0..positions.len() as u32).collect(),
-        };
-        self.read = self.read.saturating_add(positions.len()).saturating_add(order.len());
-        if self.read > 4 * MAX_TRIANGLES {
-            return Err(wrong(format!("more than {} corners so far", 4 * MAX_TRIANGLES)));
+    /// A mesh moved by joints; a text if it cannot be.
+    fn skinned(
+        &mut self,
+        mesh: usize,
+        weights: &[f64],
+        joints: &[DMat4],
+    ) -> Result<std::result::Result<Vec<Part>, &'static str>> {
+        let mut parts = Vec::new();
+        for (i, primitive) in self.primitives(mesh)?.iter().enumerate() {
+            let name = format!("mesh {mesh} primitive {i}");
+            let Some(mut found) = self.primitive(primitive, &name, weights)? else { continue };
+            if let Err(problem) = self.data.skinned(&mut found, primitive, joints, &name)? {
+                return Ok(Err(problem));
+            }
+            parts.push(self.finished(found, primitive, &name)?);
         }
-        let mesh = Mesh {
-            normals: optional(attribute(Semantic::Normals), "NORMAL")?,
-            colors: optional(attribute(Semantic::Colors(0)), "COLOR_0")?,
-            triangles: triangles(primitive.mode, &order),
-            positions,
-            discs: Vec::new(),
-        };
-        check::mesh(self.data.place, &mesh).map_err(|error| wrong(error.problem().to_owned()))?;
-        Ok((Arc::new(mesh), self.material(primitive).map_err(wrong)?))
+        Ok(Ok(parts))
     }
 
-    fn material(&self, primitive: &Primitive) -> Unplaced<usize> {
-        let count = self.data.root.materials.len();
-        match primitive.material {
-            None => Ok(count),
-            Some(index) if index.value() < count => Ok(index.value()),
-            Some(index) => Err(format!("material: {} is not among the {count}", index.value())),
+    fn primitives(&self, mesh: usize) -> Result<&'a [Value]> {
+        let meshes = json::list(self.data.root, "meshes").unwrap_or_default();
+        let found = meshes.get(mesh).map_or(Ok(&[][..]), |mesh| json::list(mesh, "primitives"));
+        found.map_err(|problem| self.data.wrong(&format!("mesh {mesh}"), &problem))
+    }
+
+    fn primitive(&mut self, value: &Value, name: &str, weights: &[f64]) -> Result<Option<Mesh>> {
+        match self.data.primitive(value, name, weights, &mut self.tally)? {
+            Found::LeftOut(why) => {
+                self.tally.add(why, || name.to_owned());
+                Ok(None)
+            }
+            Found::Mesh(mesh) => {
+                let corners = mesh.positions.len().saturating_add(3 * mesh.triangles.len());
+                self.read = self.read.saturating_add(corners);
+                if self.read > 4 * MAX_TRIANGLES {
+                    let problem = format!("more than {} corners so far", 4 * MAX_TRIANGLES);
+                    return Err(self.data.wrong(name, &problem));
+                }
+                Ok(Some(*mesh))
+            }
         }
+    }
+
+    /// Brings the material to a mesh.
+    fn finished(&mut self, mut mesh: Mesh, primitive: &Value, name: &str) -> Result<Part> {
+        let count = self.modes.len().min(json::list(self.data.root, "materials").map_or(0, <[_]>::len));
+        let wrong = |problem: String| self.data.wrong(name, &problem);
+        let material = match json::index(primitive, "material").map_err(wrong)? {
+            Some(index) if index < count => index,
+            Some(index) => return Err(wrong(format!("material: {index} is not among the {count}"))),
+            None if mesh.colors.is_empty() => count,
+            None => self.white(count),
+        };
+        match self.modes.get(material) {
+            Some(Mode::Blend) => {}
+            Some(Mode::Mask { alpha, cutoff }) => {
+                mesh = mask::cut(mesh, *alpha, *cutoff);
+                self.gone |= mesh.triangles.is_empty();
+            }
+            Some(Mode::Opaque) | None => mesh.alphas.clear(),
+        }
+        check::mesh(self.data.place, &mesh).map_err(|e| self.data.wrong(name, e.problem()))?;
+        Ok((Arc::new(mesh), material))
+    }
+
+    /// The material behind the grey one.
+    fn white(&mut self, grey: usize) -> usize {
+        if self.model.materials.len() == grey + 1 {
+            self.model.add_material(Material::new("default", [1.0; 3], 1.0));
+        }
+        grey + 1
+    }
+
+    fn check_count(&self) -> Result<()> {
+        let triangles = self.model.triangles();
+        if triangles > MAX_TRIANGLES {
+            let problem = format!("meshes: {triangles} triangles are more than {MAX_TRIANGLES}");
+            return Err(Error::new(self.data.place, problem));
+        }
+        if self.model.objects.len() > MOST {
+            let problem = format!("nodes: more than {MOST} instances of primitives");
+            return Err(Error::new(self.data.place, problem));
+        }
+        Ok(())
     }
 
     fn finish(mut self) -> Result<Model> {
         let place = self.data.place;
-        let triangles = self.model.triangles();
-        if triangles == 0 {
-            return Err(Error::new(
-                place,
-                "meshes: the scene has no triangle; it needs at least one",
-            ));
+        if self.model.triangles() == 0 {
+            if !self.gone {
+                let problem = "meshes: the scene has no triangle; it needs at least one";
+                return Err(Error::new(place, problem));
+            }
+            // Nothing is what is to be seen.
+            let mesh = Arc::new(Mesh::default());
+            let (name, transform) = (String::new(), DMat4::IDENTITY);
+            self.model.objects.push(Object { name, mesh, transform, material: 0, thickness: None });
+            self.tally.add("nothing is left to draw", || {
+                "meshes: all are hidden, or masked out by alphaCutoff".to_owned()
+            });
         }
-        if triangles > MAX_TRIANGLES {
-            let problem = format!("meshes: {triangles} triangles are more than {MAX_TRIANGLES}");
-            return Err(Error::new(place, problem));
-        }
-        if !self.data.root.textures.is_empty() || !self.data.root.images.is_empty() {
-            self.model.warnings.push(format!("{place}: textures are not drawn; colours are plain"));
-        }
-        if self.skipped > 0 {
-            let skipped = self.skipped;
-            self.model
-                .warnings
-                .push(format!("{place}: {skipped} primitives of points or lines left out"));
-        }
+        self.model.warnings = self.tally.warnings(place);
         Ok(self.model)
-    }
-}
-
-/// The triangles that the vertices make in order; strips turn every other triangle around. Vertices left over at the
-/// end form no triangle.
-fn triangles(mode: Checked<Mode>, order: &[u32]) -> Vec<[u32; 3]> {
-    match mode {
-        Checked::Valid(Mode::TriangleStrip) => {
-            let window = |(i, w): (usize, &[u32])| match i % 2 {
-                0 => [w[0], w[1], w[2]],
-                _ => [w[0], w[2], w[1]],
-            };
-            order.windows(3).enumerate().map(window).collect()
-        }
-        Checked::Valid(Mode::TriangleFan) => match order {
-            [hub, rim @ ..] => rim.windows(2).map(|w| [w[0], w[1], *hub]).collect(),
-            [] => Vec::new(),
-        },
-        _ => order.as_chunks().0.to_vec(),
     }
 }

@@ -44,8 +44,8 @@ pub(super) struct Estimate {
 
 impl Estimate {
     /// Of finite positions.
-    pub(super) fn new(positions: &[[f32; 3]]) -> Self {
-        let wide = |i: u32| positions[i as usize].map(f64::from);
+    pub(super) fn new(positions: &[[f64; 3]]) -> Self {
+        let wide = |i: u32| positions[i as usize];
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
         order.par_sort_unstable_by(|&a, &b| compare(&wide(a), &wide(b)).then(a.cmp(&b)));
         let mut places: Vec<[f64; 3]> = Vec::new();

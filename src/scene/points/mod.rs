@@ -81,6 +81,7 @@ pub(super) fn model(table: &Table, size: PointSize, place: &str) -> Result<Model
     // Splats hold the light that they give; nothing shines on them.
     let material = match splats {
         true => Material { shading: Shading::Flat, ..Material::new("default", [1.0; 3], 1.0) },
+        false if table.has_color() => Material::new("default", [1.0; 3], 1.0),
         false => Material::new("default", GREY, 1.0),
     };
     let material = model.add_material(material);
@@ -97,7 +98,7 @@ fn discs(table: &Table, whole: &[usize], size: PointSize) -> Unplaced<Vec<Disc>>
     let normals = table.normals(whole);
     let radii_missing = radii.is_none();
     let estimate = (radii_missing || normals.iter().any(Option::is_none)).then(|| {
-        let positions: Vec<[f32; 3]> = whole.iter().map(|&row| table.position(row)).collect();
+        let positions: Vec<[f64; 3]> = whole.iter().map(|&row| table.position(row)).collect();
         Estimate::new(&positions)
     });
     let radii = match (radii, &estimate) {

@@ -5,7 +5,7 @@
 //! `rgba`, opacity; also where the type is a float), `intensity` (where there is no colour: a grey that spans its range)
 //! and `radius`. The viewpoint is not looked at.
 
-use super::table::{self, ALPHA, COLOR, COLUMNS, Row, Table};
+use super::table::{self, ALPHA, COLOR, Row, Table};
 use super::{PointSize, lzf, model};
 use crate::error::{Error, Result};
 use crate::scene::Model;
@@ -171,7 +171,7 @@ impl Header {
         fill: &mut Fill,
         place: impl Fn(&Field, usize) -> (usize, usize),
     ) {
-        fill.table.rows = vec![[0.0; COLUMNS]; self.points];
+        fill.table.fill(self.points);
         let mut offset = 0;
         for field in &self.fields {
             let (first, step) = place(field, offset);
@@ -193,7 +193,7 @@ impl Header {
             let (points, bytes) = (self.points, data.len());
             return Err(format!("POINTS: {points} do not fit into {bytes} bytes"));
         }
-        fill.table.rows = vec![[0.0; COLUMNS]; self.points];
+        fill.table.fill(self.points);
         let mut lines = Lines { left: data };
         for row in 0..self.points {
             let line = loop {
@@ -234,7 +234,7 @@ struct Fill {
 impl Fill {
     fn new(header: &Header) -> Self {
         let has = |wanted: fn(&Meaning) -> bool| header.fields.iter().any(|f| wanted(&f.meaning));
-        let mut table = Table { has: [false; COLUMNS], rows: Vec::new() };
+        let mut table = Table::default();
         for field in &header.fields {
             if let Meaning::Column(column) = field.meaning {
                 table.has[column] = true;
@@ -250,9 +250,11 @@ impl Fill {
     }
 
     fn set(&mut self, row: usize, meaning: Meaning, value: Number) {
+        if let Meaning::Column(column) = meaning {
+            return self.table.set(row, column, value.real);
+        }
         let row: &mut Row = &mut self.table.rows[row];
         match meaning {
-            Meaning::Column(column) => row[column] = value.real as f32,
             Meaning::Packed { alpha } => {
                 let [b, g, r, a] = value.bits.to_le_bytes();
                 let share = |byte: u8| (f64::from(byte) / 255.0) as f32;
@@ -262,7 +264,7 @@ impl Fill {
                 }
             }
             Meaning::Intensity if self.grey => row[COLOR] = value.real as f32,
-            Meaning::Intensity | Meaning::Skipped => {}
+            Meaning::Intensity | Meaning::Skipped | Meaning::Column(_) => {}
         }
     }
 

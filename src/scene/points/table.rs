@@ -15,11 +15,11 @@ const NAMES: [&str; COLUMNS] = [
 ];
 
 /// The first column of the normal.
-pub(super) const NORMAL: usize = 3;
+pub(in crate::scene) const NORMAL: usize = 3;
 /// The first column of the colour.
-pub(super) const COLOR: usize = 6;
+pub(in crate::scene) const COLOR: usize = 6;
 /// The column of the opacity.
-pub(super) const ALPHA: usize = 9;
+pub(in crate::scene) const ALPHA: usize = 9;
 /// The column of the radius.
 pub(super) const RADIUS: usize = 10;
 /// The first column of a Gaussian splat: colour, opacity, scales and rotation, as `splat` reads them.
@@ -65,19 +65,35 @@ pub(in crate::scene) fn is_share(column: usize) -> bool {
 }
 
 /// A point set as its file has it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::scene) struct Table {
     /// Which columns the file has.
     pub(in crate::scene) has: [bool; COLUMNS],
     /// 0 in columns that it has not.
     pub(in crate::scene) rows: Vec<Row>,
+    /// The positions of the rows, which need not fit into single precision.
+    pub(in crate::scene) places: Vec<[f64; 3]>,
 }
 
 impl Table {
     /// The rows whose position is finite.
     pub(super) fn whole(&self) -> Vec<usize> {
-        let finite = |row: &Row| row[..NORMAL].iter().all(|c| c.is_finite());
-        (0..self.rows.len()).filter(|&row| finite(&self.rows[row])).collect()
+        let finite = |&row: &usize| self.places[row].iter().all(|c| c.is_finite());
+        (0..self.places.len()).filter(finite).collect()
+    }
+
+    /// A row's value by its column.
+    pub(in crate::scene) fn set(&mut self, row: usize, column: usize, value: f64) {
+        match column {
+            0..NORMAL => self.places[row][column] = value,
+            _ => self.rows[row][column] = value as f32,
+        }
+    }
+
+    /// As many empty rows.
+    pub(in crate::scene) fn fill(&mut self, rows: usize) {
+        self.rows = vec![[0.0; COLUMNS]; rows];
+        self.places = vec![[0.0; 3]; rows];
     }
 
     /// Whether the points are Gaussian splats; an error if the file has only some of their properties.
@@ -94,8 +110,8 @@ impl Table {
         Err(format!("a Gaussian splat needs {} as well", missing.join(", ")))
     }
 
-    pub(super) fn position(&self, row: usize) -> [f32; 3] {
-        self.three(row, 0)
+    pub(super) fn position(&self, row: usize) -> [f64; 3] {
+        self.places[row]
     }
 
     /// Three neighbouring columns.
@@ -105,8 +121,12 @@ impl Table {
 
     /// White without one, for the material's to show.
     pub(super) fn color(&self, row: usize) -> [f32; 3] {
-        let whole = self.has[COLOR..COLOR + 3] == [true; 3];
-        if whole { self.three(row, COLOR) } else { [1.0; 3] }
+        if self.has_color() { self.three(row, COLOR) } else { [1.0; 3] }
+    }
+
+    /// Whether there are colours.
+    pub(super) fn has_color(&self) -> bool {
+        self.has[COLOR..COLOR + 3] == [true; 3]
     }
 
     pub(super) fn alpha(&self, row: usize) -> f32 {

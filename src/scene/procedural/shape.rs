@@ -44,9 +44,14 @@ pub(super) fn turn_and_move(angle: f64, to: DVec3) -> DMat4 {
     DMat4::from_cols(x, y, DVec4::Z, to.extend(1.0))
 }
 
-/// A mesh's own form of a point.
+/// A mesh's own form of a direction.
 pub(super) fn point(p: DVec3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
+}
+
+/// A mesh's own form of a place. Generators make single precision, as they always did.
+pub(super) fn place(p: DVec3) -> [f64; 3] {
+    point(p).map(f64::from)
 }
 
 /// The surface that a profile of (radius, height) makes around the y axis: outside is to the right of its
@@ -56,7 +61,7 @@ pub(super) fn revolve(profile: &[[f64; 2]], sides: u32, smooth: bool) -> Mesh {
     for (i, &[radius, height]) in profile.iter().enumerate() {
         let [out, up] = profile_normal(profile, i);
         for (c, s) in (0..sides).map(|side| on_circle(side, sides)) {
-            mesh.positions.push(point(DVec3::new(radius * c, height, radius * s)));
+            mesh.positions.push(place(DVec3::new(radius * c, height, radius * s)));
             if smooth {
                 mesh.normals.push(point(DVec3::new(out * c, up, out * s)));
             }
@@ -107,7 +112,7 @@ pub(super) fn cuboid(min: DVec3, max: DVec3) -> Mesh {
 
 /// A prism over four corners given anticlockwise in x, y, between two heights in z, flat-shaded.
 pub(super) fn prism(corners: [(f64, f64); 4], bottom: f64, top: f64) -> Mesh {
-    let at = |z: f64| corners.map(|(x, y)| point(DVec3::new(x, y, z)));
+    let at = |z: f64| corners.map(|(x, y)| place(DVec3::new(x, y, z)));
     let positions = [at(bottom), at(top)].concat();
     let sides = (0..4_u32).flat_map(|i| {
         let next = (i + 1) % 4;
@@ -123,7 +128,7 @@ mod tests {
 
     /// Six times the volume that the triangles enclose: positive if they are anticlockwise from outside.
     fn volume(mesh: &Mesh) -> f64 {
-        let corner = |&i: &u32| DVec3::from(mesh.positions[i as usize].map(f64::from));
+        let corner = |&i: &u32| DVec3::from(mesh.positions[i as usize]);
         let parts =
             mesh.triangles.iter().map(|t| corner(&t[0]).cross(corner(&t[1])).dot(corner(&t[2])));
         parts.sum()
@@ -136,7 +141,7 @@ mod tests {
         let ball = sphere(1.0, 64);
         assert!((volume(&ball) / 8.0 - std::f64::consts::PI).abs() < 0.02, "{}", volume(&ball));
         for (vertex, normal) in ball.positions.iter().zip(&ball.normals) {
-            assert!((0..3).map(|i| vertex[i] * normal[i]).sum::<f32>() > 0.9);
+            assert!((0..3).map(|i| vertex[i] * f64::from(normal[i])).sum::<f64>() > 0.9);
         }
     }
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::super::super::{Material, Mesh, Model};
-use super::super::shape::{point, sphere, turned};
+use super::super::shape::{place, point, sphere, turned};
 use super::super::{Builtin, Key, Keys, Range};
 use super::strand::{Tube, direction};
 use crate::error::Result;
@@ -107,8 +107,8 @@ fn face(model: &mut Model, alpha: f32) {
 fn ellipsoid(center: DVec3, half: DVec3, sides: u32) -> Mesh {
     let mut mesh = sphere(1.0, sides);
     for (position, normal) in mesh.positions.iter_mut().zip(&mut mesh.normals) {
-        let at = center + DVec3::from(position.map(f64::from)) * half;
-        *position = point(at);
+        let at = center + DVec3::from(*position) * half;
+        *position = place(at);
         *normal = point(DVec3::from(normal.map(f64::from)) / half);
     }
     mesh

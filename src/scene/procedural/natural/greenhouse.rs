@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::super::super::{Material, Mesh, Model};
-use super::super::shape::{cuboid, point, turned};
+use super::super::shape::{cuboid, place, turned};
 use super::super::{Builtin, Key, Keys, Range};
 use super::strand::{Tube, direction};
 use crate::error::Result;
@@ -135,7 +135,7 @@ fn add_leaf(mesh: &mut Mesh, at: DVec3, along: DVec3, about: DVec3, length: f64)
     let first = mesh.positions.len() as u32;
     let wide = side * (0.34 * length);
     for corner in [at, middle + wide + fold, tip, middle - wide + fold] {
-        mesh.positions.push(point(corner));
+        mesh.positions.push(place(corner));
     }
     mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
 }
@@ -188,7 +188,7 @@ fn glaze(model: &mut Model, bays: u32, alpha: f32) {
         for side in [-1.0, 1.0] {
             let first = panes.positions.len() as u32;
             for corner in [at(side * HALF, WALL, z), at(0.0, WALL, z), at(0.0, RIDGE, z)] {
-                panes.positions.push(point(corner));
+                panes.positions.push(place(corner));
             }
             panes.triangles.push([first, first + 1, first + 2]);
         }
@@ -202,6 +202,6 @@ fn glaze(model: &mut Model, bays: u32, alpha: f32) {
 
 fn quad(mesh: &mut Mesh, corners: [DVec3; 4]) {
     let first = mesh.positions.len() as u32;
-    mesh.positions.extend(corners.map(point));
+    mesh.positions.extend(corners.map(place));
     mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::super::super::{Material, Mesh, Model};
-use super::super::shape::{point, turned};
+use super::super::shape::{place, turned};
 use super::super::{Builtin, Key, Keys, Range};
 use super::strand::Tube;
 use crate::error::Result;
@@ -115,6 +115,6 @@ fn add(
     let mesh = &mut meshes[kind];
     let first = mesh.positions.len() as u32;
     let end = at + heading * (length * random.range(0.7, 1.0));
-    mesh.positions.extend([at - wide, at + wide, end].map(point));
+    mesh.positions.extend([at - wide, at + wide, end].map(place));
     mesh.triangles.push([first, first + 1, first + 2]);
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::super::super::{Material, Mesh, Model};
-use super::super::shape::{on_circle, point};
+use super::super::shape::{on_circle, place};
 use super::super::{Builtin, Key, Keys, Range};
 use super::strand::direction;
 use crate::error::Result;
@@ -77,7 +77,7 @@ fn add(mesh: &mut Mesh, center: DVec3, facing: DVec3, radius: f64) {
     let across = facing.any_orthonormal_vector();
     let other = facing.cross(across);
     for (c, s) in (0..CORNERS).map(|corner| on_circle(corner, CORNERS)) {
-        mesh.positions.push(point(center + (across * c + other * s) * radius));
+        mesh.positions.push(place(center + (across * c + other * s) * radius));
     }
     mesh.triangles.extend((1..CORNERS - 1).map(|i| [first, first + i, first + i + 1]));
 }

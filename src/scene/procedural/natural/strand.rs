@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::super::super::Mesh;
-use super::super::shape::{on_circle, point};
+use super::super::shape::{on_circle, place, point};
 use crate::num::random::Random;
 
 /// A tube's cross-section.
@@ -42,7 +42,7 @@ impl Tube {
             let other = along.cross(across);
             for (c, s) in (0..self.sides).map(|side| on_circle(side, self.sides)) {
                 let normal = across * c + other * s;
-                mesh.positions.push(point(center + normal * radius));
+                mesh.positions.push(place(center + normal * radius));
                 mesh.normals.push(point(normal));
             }
         }

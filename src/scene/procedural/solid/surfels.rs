@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::super::super::{Disc, Material, Mesh, Model};
-use super::super::shape::{point, turned};
+use super::super::shape::{place, point, turned};
 use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
@@ -96,7 +96,7 @@ fn add(mesh: &mut Mesh, center: DVec3, facing: DVec3, radius: f64, random: &mut 
     let brightness = random.range(0.35, 1.0) as f32;
     let across = facing.any_orthonormal_vector();
     mesh.discs.push(Disc {
-        center: point(center),
+        center: place(center),
         axes: [across, facing.cross(across)].map(|axis| point(axis * radius)),
         color: [brightness; 3],
         alpha: 1.0,

@@ -1,0 +1,61 @@
+//! The faces between two lines that begin a new object.
+
+use std::collections::BTreeMap;
+
+use super::super::Mesh;
+use super::reader::Reader;
+
+/// The number of a normal that is not there.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A group of triangles of one material.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    /// Its number among the names of materials.
+    pub(super) material: usize,
+    /// The vertices in the order of their first use: position and normal by number.
+    corners: Vec<(u32, u32)>,
+    /// Where they stand in `corners`.
+    places: BTreeMap<(u32, u32), u32>,
+    /// By number in `corners`.
+    pub(super) triangles: Vec<[u32; 3]>,
+    mesh: Mesh,
+}
+
+impl Group {
+    pub(super) fn new(material: usize) -> Self {
+        Self { material, ..Self::default() }
+    }
+
+    /// The number of a corner here.
+    pub(super) fn corner(&mut self, vertex: u32, normal: u32) -> u32 {
+        let next = self.corners.len() as u32;
+        let place = *self.places.entry((vertex, normal)).or_insert(next);
+        if place == next {
+            self.corners.push((vertex, normal));
+        }
+        place
+    }
+
+    /// Takes the vertices over from the whole file.
+    pub(super) fn collect(&mut self, reader: &Reader) {
+        self.places = BTreeMap::new();
+        let vertices = || self.corners.iter().map(|&(vertex, _)| vertex as usize);
+        let smooth = self.corners.iter().all(|&(_, normal)| normal != NONE);
+        let normals = self.corners.iter().map(|&(_, normal)| reader.normals[normal as usize]);
+        self.mesh = Mesh {
+            positions: vertices().map(|v| reader.positions[v]).collect(),
+            normals: if smooth { normals.collect() } else { Vec::new() },
+            colors: reader.colors().map_or(Vec::new(), |all| vertices().map(|v| all[v]).collect()),
+            alphas: reader.alphas().map_or(Vec::new(), |all| vertices().map(|v| all[v]).collect()),
+            triangles: std::mem::take(&mut self.triangles),
+            discs: Vec::new(),
+        };
+        self.corners = Vec::new();
+    }
+
+    /// After [`Group::collect`].
+    pub(super) fn mesh(self) -> Mesh {
+        self.mesh
+    }
+}

@@ -1,0 +1,178 @@
+//! Wavefront OBJ with MTL materials, read leniently: what does not change the surfaces is left out with a warning. Only
+//! what a face cannot do without is an error: its corners, as finite numbers.
+
+mod group;
+mod mtl;
+mod reader;
+
+use std::collections::BTreeMap;
+
+use self::mtl::Look;
+use self::reader::Reader;
+use super::model::GREY;
+use super::parts::{decode, lines};
+use super::{Material, Mesh, Model, check};
+use crate::error::{Error, Result};
+
+/// The meshes of an OBJ file: one object per group and material. Surfaces without a material are opaque, and grey unless
+/// their vertices have colours. `place` names the file in messages; `library` gives the bytes of an MTL file by its
+/// name, or `None` where there is no such file (a warning).
+///
+/// # Errors
+/// Names the first bad line and its field.
+pub fn parse(
+    bytes: &[u8],
+    place: &str,
+    library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
+) -> Result<Model> {
+    let text = decode(bytes);
+    let mut reader = Reader::default();
+    for (number, line) in statements(&text) {
+        reader
+            .line(number, &line)
+            .map_err(|problem| Error::new(place, format!("line {number}: {problem}")))?;
+    }
+    let (groups, said) = reader.finish();
+    if groups.is_empty() {
+        return Err(Error::new(place, "f: there is no face; it needs at least one"));
+    }
+    let (looks, missing) = libraries(&said.libraries, library);
+    let mut tally = said.tally;
+    let mut model = Model::default();
+    // Of two materials of one name, the last counts.
+    let mut known: BTreeMap<&str, usize> = BTreeMap::new();
+    // What the file does not say must not darken the colours of vertices.
+    let plain = if said.colored { [1.0; 3] } else { GREY };
+    for look in &looks {
+        known.insert(&look.name, model.add_material(look.material(plain, &mut tally)));
+    }
+    let plain = model.add_material(Material::new("default", plain, 1.0));
+    let mut unknown = Vec::new();
+    for group in groups {
+        let name = &said.names[group.material];
+        let material = find(&known, name);
+        if let Some(look) = material.and_then(|i| looks.get(i)) {
+            look.warn_of_pictures(&mut tally);
+        } else if !name.is_empty() && !unknown.contains(name) {
+            unknown.push(name.clone());
+        }
+        let mesh: Mesh = group.mesh();
+        check::mesh(place, &mesh)?;
+        model.add_mesh(mesh, material.unwrap_or(plain));
+    }
+    model.warnings = gaps(&missing, &unknown, place);
+    model.warnings.extend(tally.warnings(place));
+    Ok(model)
+}
+
+/// A material by its name, without a comment behind it if need be.
+fn find(known: &BTreeMap<&str, usize>, name: &str) -> Option<usize> {
+    let bare = || name.split_once(" #").and_then(|(bare, _)| known.get(bare.trim()));
+    known.get(name).or_else(bare).copied()
+}
+
+/// One sentence about libraries that are not there, else about materials that are not in them.
+fn gaps(missing: &[String], unknown: &[String], place: &str) -> Vec<String> {
+    let sentence = |names: &[String], end: &str| match names {
+        [] => None,
+        [name] => Some(format!("{name:?} {end}")),
+        [name, rest @ ..] => Some(format!("{name:?} and {} more {end}", rest.len())),
+    };
+    let missing = sentence(missing, "not found; unknown materials are plain");
+    let unknown = sentence(unknown, "unknown; their faces are plain");
+    match (missing, unknown) {
+        (Some(missing), _) => vec![format!("{place}: mtllib: {missing}")],
+        (None, Some(unknown)) => vec![format!("{place}: usemtl: {unknown}")],
+        (None, None) => Vec::new(),
+    }
+}
+
+/// The lines of a text, each with its number; one that ends in a backslash goes on in the next, unless it is a comment.
+fn statements(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
+    let mut lines = lines(text);
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let continued = |line: &str| line.trim_end().strip_suffix('\\').map(str::to_owned);
+        let Some(mut whole) = continued(first).filter(|_| !first.trim_start().starts_with('#'))
+        else {
+            return Some((number, first.into()));
+        };
+        for (_, line) in lines.by_ref() {
+            whole.push(' ');
+            match continued(line) {
+                Some(more) => whole.push_str(&more),
+                None => {
+                    whole.push_str(line);
+                    break;
+                }
+            }
+        }
+        Some((number, whole.into()))
+    })
+}
+
+/// The materials of all libraries, and the names of those that are not there.
+fn libraries(
+    lines: &[String],
+    library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
+) -> (Vec<Look>, Vec<String>) {
+    let (mut looks, mut missing) = (Vec::new(), Vec::new());
+    let mut read = |name: &str, looks: &mut Vec<Look>| {
+        let slashes = name.replace('\\', "/");
+        let found = library(name).or_else(|| (slashes != name).then(|| library(&slashes))?);
+        found.map(|bytes| looks.extend(mtl::parse(&bytes, name))).is_some()
+    };
+    for line in lines {
+        let bare = line.trim_matches('"');
+        // The whole line is one name if there is such a file, else there are several.
+        if read(line, &mut looks) || (bare != line && read(bare, &mut looks)) {
+            continue;
+        }
+        let names = words(line);
+        for name in &names {
+            if !read(name, &mut looks) {
+                missing.push(name.clone());
+            }
+        }
+    }
+    (looks, missing)
+}
+
+/// Words, or what stands between quotes, up to a comment.
+fn words(line: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut left = line.trim();
+    while !left.is_empty() && !left.starts_with('#') {
+        let (word, rest) = match left.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"').unwrap_or((quoted, "")),
+            None => left.split_once(char::is_whitespace).unwrap_or((left, "")),
+        };
+        if !word.is_empty() {
+            found.push(word.to_owned());
+        }
+        left = rest.trim_start();
+    }
+    found
+}
+
+/// The first word and the rest of a line, both trimmed; numbers lose the comment behind them.
+fn split(line: &str) -> (&str, &str) {
+    let line = line.trim();
+    let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    let bare = rest.split_once('#').map_or(rest, |(bare, _)| bare);
+    let numeric = matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "Kd" | "d" | "Tr");
+    (keyword, if numeric { bare.trim() } else { rest.trim() })
+}
+
+/// A word for a message.
+fn clipped(word: &str) -> String {
+    word.chars().take(40).collect()
+}
+
+/// A finite number.
+fn number(word: &str) -> std::result::Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("{:?} is not a finite number", clipped(word))),
+    }
+}

@@ -1,0 +1,265 @@
+//! Line by line: vertices are kept, faces become triangles at once.
+
+use std::collections::BTreeMap;
+
+use super::super::model::Unplaced;
+use super::super::parts::{Cutter, Tally};
+use super::group::{Group, NONE};
+use super::{clipped, number, split};
+
+/// What a file says besides its faces.
+#[derive(Debug, Default)]
+pub(super) struct Said {
+    /// The names of materials, by number; the first is that of faces without one.
+    pub(super) names: Vec<String>,
+    /// The rest of each `mtllib` line, once.
+    pub(super) libraries: Vec<String>,
+    /// Whether vertices have colours.
+    pub(super) colored: bool,
+    pub(super) tally: Tally,
+}
+
+/// The file so far.
+#[derive(Default)]
+pub(super) struct Reader {
+    pub(super) positions: Vec<[f64; 3]>,
+    /// What is wrong with vertices, by number; no face may use them.
+    broken: BTreeMap<usize, (usize, String)>,
+    /// As many as positions, or none yet.
+    colors: Vec<[f32; 3]>,
+    alphas: Vec<f32>,
+    colored: usize,
+    translucent: bool,
+    pub(super) normals: Vec<[f32; 3]>,
+    texcoords: usize,
+    /// How many faces have normals at all corners, and how many do not.
+    faces: [usize; 2],
+    numbers: BTreeMap<String, usize>,
+    group: Group,
+    groups: Vec<Group>,
+    said: Said,
+    cutter: Cutter,
+}
+
+impl Reader {
+    /// Reads one line.
+    pub(super) fn line(&mut self, line: usize, text: &str) -> Unplaced<()> {
+        let (keyword, rest) = split(text);
+        let mut left_out =
+            |kind| self.said.tally.add(kind, || format!("line {line}: {}", clipped(text.trim())));
+        match keyword {
+            "v" => self.vertex(line, rest),
+            "vn" => self.normal(line, rest),
+            "vt" => {
+                self.texcoords += 1;
+                if rest.split_whitespace().any(|word| number(word).is_err()) {
+                    left_out("texture coordinates are wrong; they are not used");
+                }
+            }
+            "f" | "fo" => return self.face(line, rest),
+            "usemtl" => self.material(rest),
+            "mtllib" => {
+                let libraries = &mut self.said.libraries;
+                if !rest.is_empty() && !libraries.iter().any(|known| known == rest) {
+                    libraries.push(rest.to_owned());
+                }
+            }
+            "o" | "g" => self.begin(self.group.material),
+            "l" => left_out("lines are not drawn"),
+            "p" => left_out("points are not drawn"),
+            "curv" | "curv2" | "surf" => left_out("free-form curves and surfaces are not drawn"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The groups with faces, and the rest.
+    pub(super) fn finish(mut self) -> (Vec<Group>, Said) {
+        self.begin(0);
+        let mut groups = std::mem::take(&mut self.groups);
+        groups.iter_mut().for_each(|group| group.collect(&self));
+        let mut said = std::mem::take(&mut self.said);
+        said.colored = self.colors().is_some();
+        if said.names.is_empty() {
+            said.names.push(String::new());
+        }
+        for (line, problem) in self.broken.values() {
+            said.tally.add("no face uses the vertex, it is left out", || {
+                format!("line {line}: v: {problem}")
+            });
+        }
+        if self.colored != 0 && self.colored != self.positions.len() {
+            let first = || "v: only some vertices have colours".to_owned();
+            said.tally.add("all colours are left out", first);
+        }
+        if self.faces[0] != 0 && self.faces[1] != 0 {
+            let first = || "f: only some faces have normals".to_owned();
+            said.tally.add("groups that mix them have none", first);
+        }
+        (groups, said)
+    }
+
+    /// The vertices' colours, if all have one.
+    pub(super) fn colors(&self) -> Option<&[[f32; 3]]> {
+        (self.colored > 0 && self.colored == self.positions.len()).then_some(&self.colors)
+    }
+
+    /// The vertices' opacities, if colours count and any has one.
+    pub(super) fn alphas(&self) -> Option<&[f32]> {
+        self.colors().and_then(|_| self.translucent.then_some(&self.alphas[..]))
+    }
+
+    fn begin(&mut self, material: usize) {
+        let group = std::mem::replace(&mut self.group, Group::new(material));
+        if !group.triangles.is_empty() {
+            self.groups.push(group);
+        }
+    }
+
+    fn material(&mut self, name: &str) {
+        if self.said.names.is_empty() {
+            self.said.names.push(String::new());
+            self.numbers.insert(String::new(), 0);
+        }
+        let next = self.said.names.len();
+        let material = *self.numbers.entry(name.to_owned()).or_insert(next);
+        if material == next {
+            self.said.names.push(name.to_owned());
+        }
+        if material != self.group.material {
+            self.begin(material);
+        }
+    }
+
+    /// `x y z`, then nothing, w, r g b or r g b a.
+    fn vertex(&mut self, line: usize, rest: &str) {
+        let values: Vec<_> = rest.split_whitespace().map(number).collect();
+        let position = match &values[..] {
+            [Ok(x), Ok(y), Ok(z), Ok(w)] => divided([*x, *y, *z], *w),
+            [Ok(x), Ok(y), Ok(z), ..] => Ok([*x, *y, *z]),
+            [x, y, z, ..] => {
+                Err([x, y, z].into_iter().find_map(|v| v.clone().err()).unwrap_or_default())
+            }
+            few => Err(format!("needs 3 to 7 numbers, not {}", few.len())),
+        };
+        let place = self.positions.len();
+        self.positions.push(position.unwrap_or_else(|problem| {
+            self.broken.insert(place, (line, problem));
+            [0.0; 3]
+        }));
+        let tally = &mut self.said.tally;
+        match &values[..] {
+            [_, _, _] | [_, _, _, _] => {}
+            [_, _, _, Ok(r), Ok(g), Ok(b), rest @ ..] if rest.len() <= 1 => {
+                let mut channel =
+                    |value| tally.clamped(value, || format!("line {line}: v: color"));
+                let color = [*r, *g, *b].map(&mut channel);
+                let alpha = match rest {
+                    [Ok(alpha)] => Some(channel(*alpha)),
+                    _ => None,
+                };
+                self.colors.resize(place, [1.0; 3]);
+                self.colors.push(color);
+                self.translucent |= alpha.is_some();
+                self.alphas.resize(place, 1.0);
+                self.alphas.push(alpha.unwrap_or(1.0));
+                self.colored += 1;
+            }
+            more if more.len() > 3 => {
+                tally.add("what follows x y z is no colour, and is left out", || {
+                    format!("line {line}: v {}", clipped(rest))
+                });
+            }
+            _ => {}
+        }
+    }
+
+    fn normal(&mut self, line: usize, rest: &str) {
+        let values: Vec<_> = rest.split_whitespace().map(number).collect();
+        let normal = match values[..] {
+            [Ok(x), Ok(y), Ok(z)] => [x, y, z].map(|v| v as f32),
+            _ => [f32::NAN; 3],
+        };
+        if !normal.iter().all(|v| v.is_finite()) {
+            self.said.tally.add("is no normal; faces that use it have none", || {
+                format!("line {line}: vn {}", clipped(rest))
+            });
+        }
+        self.normals.push(normal);
+    }
+
+    fn face(&mut self, line: usize, rest: &str) -> Unplaced<()> {
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        if words.len() < 3 {
+            self.said.tally.add("faces of fewer than 3 corners are left out", || {
+                format!("line {line}: f {}", clipped(rest))
+            });
+            return Ok(());
+        }
+        let corners = words.into_iter().map(|word| self.corner(line, word));
+        let mut corners = corners.collect::<Unplaced<Vec<_>>>()?;
+        let smooth = corners.iter().all(|&(_, normal)| normal != NONE);
+        self.faces[usize::from(smooth)] += 1;
+        if !smooth {
+            corners.iter_mut().for_each(|(_, normal)| *normal = NONE);
+        }
+        let outline: Vec<_> = corners.iter().map(|&(v, _)| self.positions[v as usize]).collect();
+        let (triangles, whole) = self.cutter.cut(&outline);
+        if !whole {
+            self.said.tally.add("the outline of the face crosses itself", || {
+                format!("line {line}: f {}", clipped(rest))
+            });
+        }
+        for triangle in triangles {
+            let triangle = triangle.map(|i| {
+                let (vertex, normal) = corners[i as usize];
+                self.group.corner(vertex, normal)
+            });
+            self.group.triangles.push(triangle);
+        }
+        Ok(())
+    }
+
+    /// The vertex and the normal, from 0, of one corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&mut self, line: usize, word: &str) -> Unplaced<(u32, u32)> {
+        let mut parts = word.split('/');
+        let vertex = index(parts.next(), "vertex", self.positions.len())?;
+        let texcoord = index(parts.next(), "texture coordinate", self.texcoords);
+        let normal = index(parts.next(), "normal", self.normals.len());
+        let (Some(vertex), None) = (vertex, parts.next()) else {
+            return Err(format!("f: {:?} is not v, v/vt, v//vn or v/vt/vn", clipped(word)));
+        };
+        if let Some((line, problem)) = self.broken.get(&vertex) {
+            return Err(format!("f: vertex {} of line {line}: {problem}", vertex + 1));
+        }
+        let mut left_out = |problem: String| {
+            self.said.tally.add("it is left out", || format!("line {line}: {problem}"));
+            None
+        };
+        texcoord.unwrap_or_else(&mut left_out);
+        let normal = normal.unwrap_or_else(&mut left_out);
+        let whole = |&normal: &usize| self.normals[normal].iter().all(|v| v.is_finite());
+        Ok((vertex as u32, normal.filter(whole).map_or(NONE, |normal| normal as u32)))
+    }
+}
+
+fn divided(position: [f64; 3], w: f64) -> Unplaced<[f64; 3]> {
+    let position = position.map(|c| c / w);
+    if position.iter().all(|c| c.is_finite()) {
+        return Ok(position);
+    }
+    Err(format!("w = {w} makes no finite place"))
+}
+
+/// An index of a face's corner, made absolute, from 0; `None` where it is left out.
+fn index(word: Option<&str>, field: &str, count: usize) -> Unplaced<Option<usize>> {
+    let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(None) };
+    let number: i64 =
+        word.parse().map_err(|_| format!("f: {:?} is not an index", clipped(word)))?;
+    let count = count as i64;
+    let absolute = if number < 0 { number.saturating_add(count + 1) } else { number };
+    if (1..=count).contains(&absolute) {
+        return Ok(Some(absolute as usize - 1));
+    }
+    Err(format!("f: {field} {number} is not among the {count} so far"))
+}

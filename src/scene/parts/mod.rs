@@ -1,0 +1,9 @@
+//! What the loaders of mesh files share.
+
+mod polygon;
+mod tally;
+mod text;
+
+pub(super) use self::polygon::Cutter;
+pub(super) use self::tally::Tally;
+pub(super) use self::text::{decode, lines, without_mark};
