@@ -256,3 +256,28 @@ fn habits_from_elsewhere_work() {
     );
     assert!(dir.path("sheets/compare-ab-ll.png").is_file());
 }
+
+/// What is read is never written: by its name, by another spelling, through a link.
+#[test]
+fn inputs_are_kept() {
+    let dir = Dir::new();
+    let mesh = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(dir.path("a.obj"), mesh).unwrap();
+    let scene = "[[object]]\nfile = \"a.obj\"\n";
+    fs::write(dir.path("s.toml"), scene).unwrap();
+    for line in [
+        "render a.obj --stats a.obj",
+        "render s.toml --stats s.toml",
+        "render s.toml --stats a.obj",
+        "render s.toml --stats ./a.obj",
+        "render s.toml --fragments s.toml",
+    ] {
+        dir.run(&format!("{line} --size 8 -q")).is_error(&["is an input"]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("a.obj", dir.path("link.png")).unwrap();
+        dir.run("render s.toml -o link.png --size 8 -q").is_error(&["-o:", "link.png"]);
+    }
+    assert_eq!((dir.read("a.obj"), dir.read("s.toml")), (mesh.into(), scene.into()));
+}

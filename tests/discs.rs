@@ -41,6 +41,7 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
         }],
         screen: Vec::new(),
         warnings: Vec::new(),
+        files: Vec::new(),
     }
 }
 

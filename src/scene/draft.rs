@@ -73,6 +73,7 @@ impl Draft {
             screen: self.model.screen,
             volumes: self.model.volumes,
             warnings: self.model.warnings,
+            files: Vec::new(),
         };
         if scene.materials.is_empty() {
             scene.materials.push(Material::new("default", GREY, 1.0));

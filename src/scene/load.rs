@@ -1,5 +1,6 @@
 //! From what a user names to a checked scene.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -23,11 +24,11 @@ pub const MESH_ALPHA: f32 = 0.5;
 /// # Errors
 /// Names the file, option or scene, the field, and what would be right.
 pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
-    let path = Path::new(source);
-    match extension(path).as_str() {
-        "toml" => scene_file(path, overrides),
+    let (path, reader) = (Path::new(source), Reader::default());
+    let scene = match extension(path).as_str() {
+        "toml" => scene_file(path, overrides, &reader),
         _ if is_mesh(path) => {
-            let mut model = mesh_file(path, overrides.point_size()?)?;
+            let mut model = mesh_file(path, overrides.point_size()?, &reader)?;
             let opaque = |mesh: &Mesh| {
                 mesh.discs.iter().all(|disc| disc.alpha >= 1.0)
                     && mesh.alphas.iter().all(|alpha| *alpha >= 1.0)
@@ -40,6 +41,20 @@ pub fn load(source: &str, overrides: &Overrides) -> Result<Scene> {
             Draft::new(file_name(path), model).finish(overrides)
         }
         _ => built_in(source, overrides),
+    };
+    Ok(Scene { files: reader.files.into_inner(), ..scene? })
+}
+
+/// Reads files, and remembers which.
+#[derive(Default)]
+struct Reader {
+    files: RefCell<Vec<PathBuf>>,
+}
+
+impl Reader {
+    fn read(&self, path: &Path) -> Result<Vec<u8>> {
+        self.files.borrow_mut().push(path.to_path_buf());
+        read_file(path)
     }
 }
 
@@ -63,9 +78,9 @@ fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
     Draft::new(name.to_owned(), model).finish(overrides)
 }
 
-fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
+fn scene_file(path: &Path, overrides: &Overrides, reader: &Reader) -> Result<Scene> {
     let place = path.display().to_string();
-    let description = file::parse(&read_file(path)?, &place)?;
+    let description = file::parse(&reader.read(path)?, &place)?;
     let size = overrides.point_size()?;
     let mut meshes: BTreeMap<(PathBuf, [Option<u32>; 2]), Model> = BTreeMap::new();
     let mut read_mesh = |name: &str, own: PointSize| {
@@ -74,7 +89,7 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
         if let Some(model) = meshes.get(&key) {
             return Ok(Model { warnings: Vec::new(), ..model.clone() });
         }
-        let model = mesh_file(&path, size)?;
+        let model = mesh_file(&path, size, reader)?;
         meshes.insert(key, model.clone());
         Ok(model)
     };
@@ -83,24 +98,24 @@ fn scene_file(path: &Path, overrides: &Overrides) -> Result<Scene> {
         Source::File(name) => read_mesh(name, PointSize::default()),
         Source::Points { file, size } => read_mesh(file, size),
     };
-    let mut read = |name: &str| read_file(&beside(path, name));
+    let mut read = |name: &str| reader.read(&beside(path, name));
     let mut scene = description.build(overrides, &mut model, &mut read)?;
     scene.name = file_name(path);
     Ok(scene)
 }
 
 /// Reads a mesh file or point set of any kind, with its materials as they are.
-fn mesh_file(path: &Path, size: PointSize) -> Result<Model> {
+fn mesh_file(path: &Path, size: PointSize, reader: &Reader) -> Result<Model> {
     let place = path.display().to_string();
     if !is_mesh(path) {
         return Err(Error::new(place, "file: must end in .obj, .gltf, .glb, .ply or .pcd"));
     }
-    let bytes = read_file(path)?;
+    let bytes = reader.read(path)?;
     match extension(path).as_str() {
-        "obj" => obj::parse(&bytes, &place, &mut |name| read_file(&beside(path, name)).ok()),
+        "obj" => obj::parse(&bytes, &place, &mut |name| reader.read(&beside(path, name)).ok()),
         "ply" => ply::parse_sized(&bytes, &place, size),
         "pcd" => pcd::parse_sized(&bytes, &place, size),
-        _ => gltf::parse(&bytes, &place, &mut |name| read_file(&beside(path, name))),
+        _ => gltf::parse(&bytes, &place, &mut |name| reader.read(&beside(path, name))),
     }
 }
 

@@ -10,12 +10,12 @@ mod camera;
 pub mod check;
 mod draft;
 pub mod file;
-mod parts;
 pub mod gltf;
 mod load;
 mod model;
 pub mod names;
 pub mod obj;
+mod parts;
 mod placement;
 pub mod ply;
 pub mod points;
@@ -23,6 +23,7 @@ pub mod procedural;
 mod thickness;
 pub mod volume;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
@@ -62,6 +63,8 @@ pub struct Scene {
     pub volumes: Vec<Volume>,
     /// What was tolerated while loading, one sentence each.
     pub warnings: Vec<String>,
+    /// The files that it was read from.
+    pub files: Vec<PathBuf>,
 }
 
 /// The largest width and height of an image, in pixels.

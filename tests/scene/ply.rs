@@ -133,8 +133,12 @@ fn bad_faces_and_vertices_are_named() {
     let bright = parse(&format!("{bright}{VERTICES}3 0 1 2\n")).unwrap();
     assert!(bright.warnings[0].contains("vertex 0: red: 255: is not within 0 to 1"));
     assert_eq!(bright.objects[0].mesh.colors[0], [1.0, 0.0, 0.0]);
-    let gone = parse(&format!("{HEADER}{VERTICES}2 0 1\n").replace("face 1", "face 2").replace(
-        "2 0 1\n", "2 0 1\n3 0 1 2\n")).unwrap();
+    let gone = parse(
+        &format!("{HEADER}{VERTICES}2 0 1\n")
+            .replace("face 1", "face 2")
+            .replace("2 0 1\n", "2 0 1\n3 0 1 2\n"),
+    )
+    .unwrap();
     assert!(gone.warnings[0].contains("face 0: faces of fewer than 3 corners"));
 }
 

@@ -66,6 +66,8 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     check_outputs(&args.plots)?;
     let quiet = args.output.quiet;
     let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
+    let outputs: Vec<(&str, &PathBuf)> = args.plots.iter().map(|path| ("-o", path)).collect();
+    files::check_apart(&outputs, &scene.files)?;
     let all = of_methods(&settings, &methods);
     let message = format!("drawing {}", scene.name);
     let found = wait::during(quiet, &message, || inspect(&scene, &all, pixel))?;

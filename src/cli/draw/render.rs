@@ -145,6 +145,11 @@ fn draw(
     let quiet = args.output.quiet;
     let scene = wait::during(quiet, "loading", || scene::load(&args.scene, &settings.overrides))?;
     let given = reference.zip(args.reference.as_deref());
+    let named =
+        [&args.reference.as_ref().map(PathBuf::from), &args.drawing.importance.importance_map];
+    let inputs: Vec<PathBuf> =
+        scene.files.iter().chain(named.into_iter().flatten()).cloned().collect();
+    files::check_apart(&files_among(args), &inputs)?;
     given.map_or(Ok(()), |(reference, typed)| reference.check_size(typed, scene.size))?;
     let message = format!("drawing {} with {}", scene.name, settings.options.method);
     let mut rendering = wait::during(quiet, &message, || render(&scene, &settings.options))?;
@@ -175,6 +180,13 @@ fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
     all.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?))).collect()
 }
 
+/// The same without what goes to stdout.
+fn files_among(args: &Args) -> Vec<(&'static str, &PathBuf)> {
+    let mut outputs = outputs(args);
+    outputs.retain(|(option, path)| !(*option == "-o" && is_stdout(path)));
+    outputs
+}
+
 fn check_outputs(args: &Args) -> Result<()> {
     if let Some(path) = &args.image {
         Format::of("-o", path)?;
@@ -185,8 +197,7 @@ fn check_outputs(args: &Args) -> Result<()> {
             ));
         }
     }
-    let mut outputs = outputs(args);
-    outputs.retain(|(option, path)| !(*option == "-o" && is_stdout(path)));
+    let outputs = files_among(args);
     outputs.iter().try_for_each(|(option, path)| files::check_output(option, path))?;
     files::check_distinct(&outputs)
 }
