@@ -10,16 +10,17 @@ mod camera;
 pub mod check;
 mod draft;
 pub mod file;
-mod parts;
 pub mod gltf;
 mod load;
 mod model;
 pub mod names;
 pub mod obj;
+mod parts;
 mod placement;
 pub mod ply;
 pub mod points;
 pub mod procedural;
+pub mod stl;
 mod thickness;
 pub mod volume;
 

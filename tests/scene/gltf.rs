@@ -234,7 +234,11 @@ fn bad_documents_are_named() {
         ("/nodes", json!(5), "nodes: must be a list, not the number 5"),
         ("/asset", json!({"version": "3.1"}), "asset.version: \"3.1\" is not known"),
         ("/asset", json!({"version": "1.0"}), "asset.version: is glTF 1.0; convert it"),
-        ("/asset", json!({"version": "2.0", "minVersion": "2.1"}), "asset.minVersion: the file needs"),
+        (
+            "/asset",
+            json!({"version": "2.0", "minVersion": "2.1"}),
+            "asset.minVersion: the file needs",
+        ),
         (
             "/extensionsRequired",
             json!(["KHR_draco_mesh_compression"]),

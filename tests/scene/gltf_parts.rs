@@ -33,6 +33,10 @@ fn document(accessors: &[(&str, &[f32])]) -> Value {
     })
 }
 
+fn push(list: &mut Value, item: Value) {
+    list.as_array_mut().unwrap().push(item);
+}
+
 const TRIANGLE: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 4.0, 0.0]);
 
 fn parse(document: &Value) -> Result<Model> {
@@ -48,7 +52,8 @@ fn instances_are_objects() {
         ("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, -2.0]),
     ]);
     let attributes = json!({"TRANSLATION": 1, "ROTATION": 2, "SCALE": 3});
-    document["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
+    document["nodes"][0]["extensions"] =
+        json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
     document["nodes"][0]["translation"] = json!([1, 0, 0]);
     document["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
     let model = parse(&document).unwrap();
@@ -109,8 +114,7 @@ fn skins_stand_as_their_joints_do() {
 fn hidden_nodes_hide_their_children() {
     let mut document = document(&[TRIANGLE]);
     let hidden = json!({"KHR_node_visibility": {"visible": false}});
-    document["nodes"] =
-        json!([{"children": [1], "extensions": hidden}, {"mesh": 0}, {"mesh": 0}]);
+    document["nodes"] = json!([{"children": [1], "extensions": hidden}, {"mesh": 0}, {"mesh": 0}]);
     assert_eq!(parse(&document).unwrap().objects.len(), 1);
     document["nodes"][2]["extensions"] = hidden;
     let nothing = parse(&document).unwrap();
@@ -142,7 +146,11 @@ fn masks_cut_where_the_opacity_is_too_low() {
     let half = with(json!({"alphaMode": "MASK"}));
     assert_eq!((area(&half), half.objects[0].mesh.alphas.len()), (4.0, 0), "a quarter of 16");
     assert_eq!(half.materials[0].alpha, 1.0);
-    assert_eq!(area(&with(json!({"alphaMode": "MASK", "alphaCutoff": 0.25}))), 16.0, "equal is kept");
+    assert_eq!(
+        area(&with(json!({"alphaMode": "MASK", "alphaCutoff": 0.25}))),
+        16.0,
+        "equal is kept"
+    );
     let factor = json!({"baseColorFactor": [1, 1, 1, 0.5]});
     let most = json!({"alphaMode": "MASK", "alphaCutoff": 0.25, "pbrMetallicRoughness": factor});
     assert_eq!(area(&with(most)), 4.0);
@@ -166,7 +174,8 @@ fn vertex_colours_are_not_darkened_by_the_default_grey() {
 fn parts_that_nobody_draws_may_be_anything() {
     let mut document = document(&[TRIANGLE, ("VEC3", &[f32::NAN; 9])]);
     for key in ["asset", "nodes", "meshes", "buffers", "accessors"] {
-        for extras in [json!("a note"), json!(3.5), json!([1, null]), json!({"a": {}}), Value::Null] {
+        for extras in [json!("a note"), json!(3.5), json!([1, null]), json!({"a": {}}), Value::Null]
+        {
             let object = &mut document[key];
             let object = if object.is_array() { &mut object[0] } else { object };
             object["extras"] = extras;
@@ -179,8 +188,8 @@ fn parts_that_nobody_draws_may_be_anything() {
     document["cameras"] = json!([{"type": "spherical"}]);
     document["textures"] = json!({});
     document["samplers"] = json!([{"magFilter": "soft"}]);
-    document["meshes"][1] = json!({"primitives": [{"attributes": {"POSITION": 99}}]});
-    document["buffers"][1] = json!({"byteLength": 9});
+    push(&mut document["meshes"], json!({"primitives": [{"attributes": {"POSITION": 99}}]}));
+    push(&mut document["buffers"], json!({"byteLength": 9}));
     document["nodes"][0]["camera"] = json!("here");
     document["nodes"][0]["mesh"] = Value::Null;
     document["nodes"][0] = json!({"mesh": 0e0, "name": 5});
@@ -192,7 +201,11 @@ fn parts_that_nobody_draws_may_be_anything() {
         json!({"POSITION": 0, "NORMAL": 1, "COLOR_0": 99, "_OWN": "x"});
     let model = parse(&document).unwrap();
     assert!(model.objects[0].mesh.normals.is_empty() && model.objects[0].mesh.colors.is_empty());
-    assert!(model.warnings[0].contains("NORMAL: not all numbers are finite"), "{:?}", model.warnings);
+    assert!(
+        model.warnings[0].contains("NORMAL: not all numbers are finite"),
+        "{:?}",
+        model.warnings
+    );
     // With a byte order mark, and a name in Latin-1.
     document["nodes"][0]["name"] = json!("gr\u{fc}n");
     let latin: Vec<u8> = document.to_string().chars().map(|c| c as u8).collect();
@@ -215,7 +228,10 @@ fn extensions_are_judged_by_what_they_change() {
         document["extensionsRequired"] = json!([name]);
         document["extensionsUsed"] = json!([name]);
         let warnings = parse(&document).unwrap().warnings.join(";");
-        assert!(warnings.contains(warning) && warnings.is_empty() == warning.is_empty(), "{warnings}");
+        assert!(
+            warnings.contains(warning) && warnings.is_empty() == warning.is_empty(),
+            "{warnings}"
+        );
     }
     for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_geometry"] {
         document["extensionsRequired"] = json!([name]);
@@ -225,9 +241,12 @@ fn extensions_are_judged_by_what_they_change() {
     document["extensionsUsed"] = json!(["ACME_geometry"]);
     assert!(parse(&document).unwrap().warnings[0].contains("ACME_geometry: is not known"));
     document["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-    document["meshes"][0]["primitives"][1] = json!({"attributes": {"POSITION": 1},
-        "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}});
-    document["accessors"][1] = json!({"componentType": 5126, "count": 3, "type": "VEC3"});
+    push(
+        &mut document["meshes"][0]["primitives"],
+        json!({"attributes": {"POSITION": 1},
+        "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}}),
+    );
+    push(&mut document["accessors"], json!({"componentType": 5126, "count": 3, "type": "VEC3"}));
     let packed = parse(&document).unwrap().warnings;
     assert!(packed[0].contains("mesh 0 primitive 1: KHR_draco_mesh_compression"), "{packed:?}");
 }

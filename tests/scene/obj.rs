@@ -116,7 +116,10 @@ fn broken_attributes_are_left_out() {
         ("vt\nvt nan\nf 1/1 2/1 3/2", "line 6: vt nan: texture coordinates are wrong"),
         ("f 1 2 3\nv 1 nan 3", "line 6: v: \"nan\" is not a finite number: no face uses"),
         ("f 1 2 3\nv 1 2 3 4 5", "line 6: v 1 2 3 4 5: what follows x y z"),
-        ("f 1 2 3\nf 1 2\nf\nf 4", "line 6: f 1 2: faces of fewer than 3 corners are left out (3 in all)"),
+        (
+            "f 1 2 3\nf 1 2\nf\nf 4",
+            "line 6: f 1 2: faces of fewer than 3 corners are left out (3 in all)",
+        ),
         ("f 1 2 3\ncurv 0 1 1 2\nsurf 0 1", "line 6: curv 0 1 1 2: free-form curves and surfaces"),
     ] {
         let model = square(line).unwrap();

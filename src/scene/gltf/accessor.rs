@@ -68,8 +68,7 @@ impl Data<'_> {
         let width = width(accessor).filter(|width| widths.contains(width));
         let names = widths.iter().map(|&width| NAMES.get(width).copied().unwrap_or("MAT4"));
         let names: Vec<_> = names.collect();
-        let width =
-            width.ok_or_else(|| wrong(format!("type: must be {}", names.join(" or "))))?;
+        let width = width.ok_or_else(|| wrong(format!("type: must be {}", names.join(" or "))))?;
         let component = component(accessor).map_err(wrong)?;
         let mut values = self.values(accessor, component, width).map_err(wrong)?;
         let normalized = json::get(accessor, "normalized") == Some(&Value::Bool(true));

@@ -83,7 +83,8 @@ pub(super) fn check(root: &Value, tally: &mut Tally) -> Unplaced<()> {
         }
         said.push(name);
     }
-    let (looks, unknown): (Vec<_>, Vec<_>) = said.into_iter().partition(|name| begins(name, &LOOKS));
+    let (looks, unknown): (Vec<_>, Vec<_>) =
+        said.into_iter().partition(|name| begins(name, &LOOKS));
     for (names, kind) in [(looks, "is not drawn"), (unknown, "is not known, and is left out")] {
         if !names.is_empty() {
             tally.add(kind, || format!("extensionsUsed: {}", names.join(", ")));

@@ -52,7 +52,8 @@ pub(super) fn indices(object: &Value, key: &str) -> Unplaced<Vec<usize>> {
 fn whole(value: &Value) -> Unplaced<usize> {
     let float = || value.as_f64().filter(|v| *v >= 0.0 && v.fract() == 0.0).map(|v| v as u64);
     let number = value.as_u64().or_else(float);
-    let number = number.ok_or_else(|| format!("must be a whole number from 0, not {}", name(value)))?;
+    let number =
+        number.ok_or_else(|| format!("must be a whole number from 0, not {}", name(value)))?;
     Ok(usize::try_from(number).unwrap_or(usize::MAX))
 }
 

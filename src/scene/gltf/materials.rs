@@ -34,9 +34,8 @@ pub(super) fn read(index: usize, value: &Value, tally: &mut Tally) -> Unplaced<(
     for (table, key) in own {
         let found = table.map_or(Ok(None), |table| json::numbers::<4>(table, key));
         if let Some(found) = found.map_err(wrong)? {
-            factor = found.map(|v| {
-                f64::from(tally.clamped(v, || format!("material {name:?}: {key}")))
-            });
+            factor =
+                found.map(|v| f64::from(tally.clamped(v, || format!("material {name:?}: {key}"))));
         }
     }
     for (table, key) in [(pbr, "baseColorTexture"), (older, "diffuseTexture")] {

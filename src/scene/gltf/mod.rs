@@ -257,11 +257,14 @@ impl<'a> Loader<'a> {
 
     /// Brings the material to a mesh.
     fn finished(&mut self, mut mesh: Mesh, primitive: &Value, name: &str) -> Result<Part> {
-        let count = self.modes.len().min(json::list(self.data.root, "materials").map_or(0, <[_]>::len));
+        let count =
+            self.modes.len().min(json::list(self.data.root, "materials").map_or(0, <[_]>::len));
         let wrong = |problem: String| self.data.wrong(name, &problem);
         let material = match json::index(primitive, "material").map_err(wrong)? {
             Some(index) if index < count => index,
-            Some(index) => return Err(wrong(format!("material: {index} is not among the {count}"))),
+            Some(index) => {
+                return Err(wrong(format!("material: {index} is not among the {count}")));
+            }
             None if mesh.colors.is_empty() => count,
             None => self.white(count),
         };

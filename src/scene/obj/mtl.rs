@@ -62,7 +62,8 @@ impl Look {
             tally.add("the line is left out", || problem.clone());
         }
         let name = &self.name;
-        let mut channel = |value, field| tally.clamped(value, || format!("material {name:?}: {field}"));
+        let mut channel =
+            |value, field| tally.clamped(value, || format!("material {name:?}: {field}"));
         let color = self.kd.map_or(plain, |kd| kd.map(|value| channel(value, "Kd")));
         let alpha = self.d.or(self.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0);
         let alpha = channel(alpha, "opacity by d or Tr");

@@ -151,8 +151,7 @@ impl Reader {
         match &values[..] {
             [_, _, _] | [_, _, _, _] => {}
             [_, _, _, Ok(r), Ok(g), Ok(b), rest @ ..] if rest.len() <= 1 => {
-                let mut channel =
-                    |value| tally.clamped(value, || format!("line {line}: v: color"));
+                let mut channel = |value| tally.clamped(value, || format!("line {line}: v: color"));
                 let color = [*r, *g, *b].map(&mut channel);
                 let alpha = match rest {
                     [Ok(alpha)] => Some(channel(*alpha)),

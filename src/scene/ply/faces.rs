@@ -86,7 +86,8 @@ impl Faces {
                 // -1 begins the strip anew.
                 for run in corners.split(|&index| index == -1.0) {
                     let run = run.iter().map(corner).collect::<Unplaced<Vec<_>>>();
-                    let run = run.map_err(|p| format!("tristrips {number}: vertex_indices: {p}"))?;
+                    let run =
+                        run.map_err(|p| format!("tristrips {number}: vertex_indices: {p}"))?;
                     triangles.extend(run.windows(3).enumerate().map(|(i, w)| match i % 2 {
                         0 => [w[0], w[1], w[2]],
                         _ => [w[1], w[0], w[2]],

@@ -75,7 +75,11 @@ fn mesh(table: &Table, faces: &Faces, tally: &mut Tally, place: &str) -> Result<
     let has = |from: usize| table.has[from..from + 3] == [true; 3];
     let three = |from: usize| -> Vec<[f32; 3]> {
         let rows = table.rows.iter();
-        if has(from) { rows.map(|row| [0, 1, 2].map(|i| row[from + i])).collect() } else { Vec::new() }
+        if has(from) {
+            rows.map(|row| [0, 1, 2].map(|i| row[from + i])).collect()
+        } else {
+            Vec::new()
+        }
     };
     let mut mesh = Mesh {
         positions: table.places.clone(),
@@ -130,12 +134,13 @@ fn vertices(payload: &mut Payload<'_>, element: &Element, tally: &mut Tally) -> 
         for (property, column) in element.properties.iter().zip(&columns) {
             let context = || format!("vertex {row}: {}", property.name);
             let (Kind::Scalar(scalar), Some(column)) = (property.kind, *column) else {
-                payload.skip(property.kind).map_err(|problem| format!("{}: {problem}", context()))?;
+                payload
+                    .skip(property.kind)
+                    .map_err(|problem| format!("{}: {problem}", context()))?;
                 continue;
             };
-            let value = payload
-                .scalar(scalar)
-                .map_err(|problem| format!("{}: {problem}", context()))?;
+            let value =
+                payload.scalar(scalar).map_err(|problem| format!("{}: {problem}", context()))?;
             let value = match table::is_share(column) {
                 true => tally.clamped(value / scalar.largest(), context).into(),
                 false => value,
@@ -149,9 +154,9 @@ fn vertices(payload: &mut Payload<'_>, element: &Element, tally: &mut Tally) -> 
 fn skip(payload: &mut Payload<'_>, element: &Element) -> Unplaced<()> {
     for row in 0..element.count {
         for property in &element.properties {
-            payload
-                .skip(property.kind)
-                .map_err(|problem| format!("{} {row}: {}: {problem}", element.name, property.name))?;
+            payload.skip(property.kind).map_err(|problem| {
+                format!("{} {row}: {}: {problem}", element.name, property.name)
+            })?;
         }
     }
     Ok(())
@@ -167,11 +172,14 @@ impl Header {
                 return Err(format!("element {name}: needs at least one property"));
             }
             if count as u128 * size as u128 > length as u128 + 1 {
-                return Err(format!("element {name}: count: {count} do not fit into {length} bytes"));
+                return Err(format!(
+                    "element {name}: count: {count} do not fit into {length} bytes"
+                ));
             }
         }
         let vertex = self.element("vertex").ok_or("element vertex: is missing")?;
-        let lacks = |axis: &&str| !vertex.properties.iter().any(|p| p.name == **axis && p.is_scalar());
+        let lacks =
+            |axis: &&str| !vertex.properties.iter().any(|p| p.name == **axis && p.is_scalar());
         if let Some(axis) = ["x", "y", "z"].iter().find(|axis| lacks(axis)) {
             return Err(format!("element vertex: property {axis}: is missing"));
         }
