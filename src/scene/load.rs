@@ -2,19 +2,21 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::draft::{Draft, Overrides, image_size};
 use super::file::{self, Source};
-use super::model::{Model, read_file};
+use super::model::{MAX_FILE, Model, read_file};
 use super::procedural::{self, Builtin};
-use super::{Mesh, PointSize, Scene, gltf, names, obj, pcd, ply};
+use super::{Mesh, PointSize, Scene, gltf, names, obj, pcd, ply, stl};
 use crate::error::{Error, Result};
 
 /// The opacity given to surfaces of a mesh file that would be opaque.
 pub const MESH_ALPHA: f32 = 0.5;
 
-/// Loads a scene: a mesh or point set (`.obj`, `.gltf`, `.glb`, `.ply`, `.pcd`), a scene file (`.toml`), or a built-in scene's
+/// Loads a scene: a mesh or point set (`.obj`, `.gltf`, `.glb`, `.ply`, `.stl`, `.pcd`,
+/// each also compressed, as in `.obj.gz`), a scene file (`.toml`), or a built-in scene's
 /// name, optionally with keys as in `layers:count=64,alpha=0.25`.
 ///
 /// A mesh file alone is framed by a default camera, and its materials that would be opaque (opacity 1, or none given)
@@ -67,7 +69,7 @@ pub fn builtin() -> &'static [Builtin] {
 fn built_in(source: &str, overrides: &Overrides) -> Result<Scene> {
     let (name, keys) = source.split_once(':').unwrap_or((source, ""));
     if procedural::find(name).is_err() && Path::new(source).exists() {
-        let problem = "extension: must be .obj, .gltf, .glb, .ply, .pcd or .toml";
+        let problem = "extension: must be .obj, .gltf, .glb, .ply, .stl, .pcd or .toml";
         return Err(Error::new(source, problem));
     }
     let size = image_size(name, None, overrides)?;
@@ -108,24 +110,47 @@ fn scene_file(path: &Path, overrides: &Overrides, reader: &Reader) -> Result<Sce
 fn mesh_file(path: &Path, size: PointSize, reader: &Reader) -> Result<Model> {
     let place = path.display().to_string();
     if !is_mesh(path) {
-        return Err(Error::new(place, "file: must end in .obj, .gltf, .glb, .ply or .pcd"));
+        return Err(Error::new(place, "file: must end in .obj, .gltf, .glb, .ply, .stl or .pcd"));
     }
-    let bytes = reader.read(path)?;
+    let bytes = unpacked(reader.read(path)?, &place)?;
     match extension(path).as_str() {
         "obj" => obj::parse(&bytes, &place, &mut |name| reader.read(&beside(path, name)).ok()),
         "ply" => ply::parse_sized(&bytes, &place, size),
+        "stl" => stl::parse(&bytes, &place),
         "pcd" => pcd::parse_sized(&bytes, &place, size),
         _ => gltf::parse(&bytes, &place, &mut |name| reader.read(&beside(path, name))),
     }
 }
 
 fn is_mesh(path: &Path) -> bool {
-    matches!(extension(path).as_str(), "obj" | "gltf" | "glb" | "ply" | "pcd")
+    matches!(extension(path).as_str(), "obj" | "gltf" | "glb" | "ply" | "stl" | "pcd")
 }
 
-/// In lower case.
+/// What gzip packed, if it did.
+fn unpacked(bytes: Vec<u8>, place: &str) -> Result<Vec<u8>> {
+    if !bytes.starts_with(b"\x1F\x8B") {
+        return Ok(bytes);
+    }
+    let wrong = |problem: String| Error::new(place, problem);
+    let mut whole = Vec::new();
+    let unpacking = flate2::read::MultiGzDecoder::new(&bytes[..]);
+    unpacking
+        .take(MAX_FILE + 1)
+        .read_to_end(&mut whole)
+        .map_err(|_| wrong("gzip: the compressed data are broken".to_owned()))?;
+    if whole.len() as u64 > MAX_FILE {
+        return Err(wrong(format!("size: must be at most {MAX_FILE} bytes, unpacked")));
+    }
+    Ok(whole)
+}
+
+/// In lower case; of a compressed file, the one before `.gz`.
 fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+    let of = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match of(path) {
+        Some(packed) if packed == "gz" => of(&path.with_extension("")).unwrap_or(packed),
+        own => own.unwrap_or_default(),
+    }
 }
 
 fn file_name(path: &Path) -> String {

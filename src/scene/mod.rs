@@ -20,6 +20,7 @@ mod placement;
 pub mod ply;
 pub mod points;
 pub mod procedural;
+pub mod stl;
 mod thickness;
 pub mod volume;
 

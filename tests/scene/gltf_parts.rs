@@ -33,6 +33,10 @@ fn document(accessors: &[(&str, &[f32])]) -> Value {
     })
 }
 
+fn push(list: &mut Value, item: Value) {
+    list.as_array_mut().unwrap().push(item);
+}
+
 const TRIANGLE: (&str, &[f32]) = ("VEC3", &[0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 4.0, 0.0]);
 
 fn parse(document: &Value) -> Result<Model> {
@@ -184,8 +188,8 @@ fn parts_that_nobody_draws_may_be_anything() {
     document["cameras"] = json!([{"type": "spherical"}]);
     document["textures"] = json!({});
     document["samplers"] = json!([{"magFilter": "soft"}]);
-    document["meshes"][1] = json!({"primitives": [{"attributes": {"POSITION": 99}}]});
-    document["buffers"][1] = json!({"byteLength": 9});
+    push(&mut document["meshes"], json!({"primitives": [{"attributes": {"POSITION": 99}}]}));
+    push(&mut document["buffers"], json!({"byteLength": 9}));
     document["nodes"][0]["camera"] = json!("here");
     document["nodes"][0]["mesh"] = Value::Null;
     document["nodes"][0] = json!({"mesh": 0e0, "name": 5});
@@ -237,9 +241,12 @@ fn extensions_are_judged_by_what_they_change() {
     document["extensionsUsed"] = json!(["ACME_geometry"]);
     assert!(parse(&document).unwrap().warnings[0].contains("ACME_geometry: is not known"));
     document["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-    document["meshes"][0]["primitives"][1] = json!({"attributes": {"POSITION": 1},
-        "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}});
-    document["accessors"][1] = json!({"componentType": 5126, "count": 3, "type": "VEC3"});
+    push(
+        &mut document["meshes"][0]["primitives"],
+        json!({"attributes": {"POSITION": 1},
+        "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0}}}),
+    );
+    push(&mut document["accessors"], json!({"componentType": 5126, "count": 3, "type": "VEC3"}));
     let packed = parse(&document).unwrap().warnings;
     assert!(packed[0].contains("mesh 0 primitive 1: KHR_draco_mesh_compression"), "{packed:?}");
 }

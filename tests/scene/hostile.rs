@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use fragloom::error::{Error, Result};
 use fragloom::scene::volume::{Grid, npy, nrrd};
-use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply, stl};
 use proptest::prelude::*;
 
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0.5 0 0 1\nvn 0 0 1\nvt 0 1\no a\nusemtl a\n\
@@ -66,6 +66,7 @@ fn load_as_all(bytes: &[u8]) {
     assert_whole(obj::parse(OBJ, "it", &mut |_| Some(bytes.to_vec())));
     assert_whole(ply::parse(bytes, "it"));
     assert_whole(pcd::parse(bytes, "it"));
+    assert_whole(stl::parse(bytes, "it"));
     assert_grid(npy::parse(bytes, "it"));
     assert_grid(nrrd::parse(bytes, "it", &mut |_| Ok(bytes.to_vec())));
     let reads = RefCell::new(0);

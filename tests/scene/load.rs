@@ -236,9 +236,9 @@ fn sources_that_are_no_scenes_are_named() {
     assert_fails(load("no.such.obj", &none), &["no.such.obj: cannot be read"]);
     assert_fails(load("spheres", &none), &["spheres: scene: ", "synthetic, layers, hairball"]);
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.stl");
+    let path = folder.path().join("a.xyz");
     fs::write(&path, "").unwrap();
-    assert_fails(load(path.to_str().unwrap(), &none), &["a.stl: extension: must be .obj"]);
+    assert_fails(load(path.to_str().unwrap(), &none), &["a.xyz: extension: must be .obj"]);
     let nested = folder.path().join("d.ply");
     fs::create_dir(&nested).unwrap();
     assert_fails(load(nested.to_str().unwrap(), &none), &["d.ply: must be a file"]);

@@ -17,6 +17,7 @@ mod points;
 mod polygons;
 mod procedural;
 mod real;
+mod stl;
 mod volumes;
 
 use fragloom::error::Result;

@@ -99,7 +99,7 @@ fn lying_headers_are_refused_before_reading() {
         ("vertex_indices", "corners", "element face: property vertex_indices: is missing"),
         ("element vertex", "element vertices", "element vertex: is missing"),
         ("property float x", "property list uchar float x", "property x: is missing"),
-        ("list uchar int", "list uchar word", "line 11: type \"word\" is none of PLY's"),
+        ("list uchar int", "list uchar word", "line 12: type \"word\" is none of PLY's"),
         ("format ascii 1.0\n", "", "header: format is missing"),
         ("format ascii", "format text", "line 2: format: must be ascii"),
         ("end_header\n", "", "is not a line of a PLY header"),
@@ -120,8 +120,8 @@ fn bad_faces_and_vertices_are_named() {
         ("3 0 1 -1", "face 0: vertex_indices: -1 is not below"),
         ("3 0 1 0.5", "face 0: vertex_indices: 0.5 is not below"),
         ("9 0 1 2", "face 0: vertex_indices: line 18: a list of 9 items does not fit"),
-        ("4 0 1 2", "face 0: vertex_indices: line 18: the file ends before it"),
-        ("3 0 1 x", "face 0: vertex_indices: line 17: \"x\" is not a number"),
+        ("4 0 1 2", "face 0: vertex_indices: line 19: the file ends before it"),
+        ("3 0 1 x", "face 0: vertex_indices: line 18: \"x\" is not a number"),
     ] {
         assert_fails(parse(&format!("{HEADER}{VERTICES}{face}\n")), &["test.ply: ", message]);
     }
