@@ -112,7 +112,7 @@ fn weighted_blended(fragments: &[Fragment], weight: Weight) -> [f64; 4] {
         let d = Format::D32.decode(f.depth);
         let z = PLANES.along(d);
         let pow = |x: f64, n: i32| (0..n).fold(1.0, |p, _| p * x);
-        let between = |w: f64| a * w.min(3e3).max(1e-2);
+        let between = |w: f64| a * w.clamp(1e-2, 3e3);
         let w = match weight {
             Weight::Eq7 => between(10.0 / (1e-5 + pow(z / 5.0, 2) + pow(z / 200.0, 6))),
             Weight::Eq8 => between(10.0 / (1e-5 + pow(z / 10.0, 3) + pow(z / 200.0, 6))),
@@ -557,7 +557,7 @@ fn many_samples_come_near_the_exact_picture() {
         let approximation = sampled(samples, 3);
         let drawn = draw(&scene, &Options { approximation, ..options(name, None) }).image;
         let bytes = exact.pixels.iter().flatten().zip(drawn.pixels.iter().flatten());
-        bytes.map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum::<f64>()
+        bytes.map(|(a, b)| f64::from(u32::from(a.abs_diff(*b)).pow(2))).sum::<f64>()
     };
     for name in ["stochastic", "stochastic@plain", "stochastic@depth"] {
         let errors = [1, 8, 64].map(|samples| error(name, samples));

@@ -231,8 +231,8 @@ mod tests {
         assert!(check_folder("-o", &other).is_err());
         let dotted = dir.path().join(".").join("out");
         assert!(check_distinct(&[("-o", &inside), ("--stats", &dotted)]).is_err());
-        assert!(check_apart(&[("-o", &dotted)], &[inside.clone()]).is_err());
-        assert!(check_apart(&[("-o", &other)], &[inside.clone()]).is_ok());
+        assert!(check_apart(&[("-o", &dotted)], std::slice::from_ref(&inside)).is_err());
+        assert!(check_apart(&[("-o", &other)], std::slice::from_ref(&inside)).is_ok());
         assert!(check_distinct(&[("-o", &inside), ("--stats", &other)]).is_ok());
         assert!(check_distinct(&[("-o", &inside), ("--stats", &inside)]).is_err());
     }

@@ -15,11 +15,14 @@ fn hash(scene: &Scene) -> String {
     let mut floats = |values: &[f32]| values.iter().for_each(|v| hash.update(v.to_le_bytes()));
     for object in &scene.objects {
         let mesh = &object.mesh;
-        for values in [&mesh.positions, &mesh.normals, &mesh.colors] {
+        // Generators make places in single precision.
+        let single = |place: &[f64; 3]| place.map(|v| v as f32);
+        let places: Vec<[f32; 3]> = mesh.positions.iter().map(single).collect();
+        for values in [&places, &mesh.normals, &mesh.colors] {
             floats(values.as_flattened());
         }
         for disc in &mesh.discs {
-            floats(&disc.center);
+            floats(&single(&disc.center));
             floats(disc.axes.as_flattened());
             floats(&disc.color);
             floats(&[disc.alpha, disc.sigmas]);

@@ -42,7 +42,7 @@ impl Data<'_> {
             placed(three(&translation, i, 0.0), turned, three(&scale, i, 1.0))
         };
         let places: Vec<_> = (0..count.unwrap_or_default()).map(place).collect();
-        if places.iter().all(|place| place.is_finite()) {
+        if places.iter().all(glam::DMat4::is_finite) {
             return Ok(Some(places));
         }
         Err(self.wrong(&user("TRANSLATION, ROTATION, SCALE"), "must be finite"))

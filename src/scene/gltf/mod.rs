@@ -64,13 +64,13 @@ pub fn parse(
 /// `asset.minVersion`, else the major number of `asset.version`, must be 2.
 fn check_version(root: &Value) -> Unplaced<()> {
     let asset = json::get(root, "asset").unwrap_or(&Value::Null);
-    if let Some(least) = json::text(asset, "minVersion").filter(|least| *least != "2.0") {
-        if !least.starts_with("1.") {
-            let least: String = least.chars().take(20).collect();
-            return Err(format!(
-                "asset.minVersion: the file needs a reader of glTF {least}; this one reads 2.0, so export it as that"
-            ));
-        }
+    if let Some(least) = json::text(asset, "minVersion").filter(|least| *least != "2.0")
+        && !least.starts_with("1.")
+    {
+        let least: String = least.chars().take(20).collect();
+        return Err(format!(
+            "asset.minVersion: the file needs a reader of glTF {least}; this one reads 2.0, so export it as that"
+        ));
     }
     let version = json::get(asset, "version");
     let text = version.and_then(Value::as_str).map(str::to_owned);

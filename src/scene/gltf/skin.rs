@@ -87,7 +87,8 @@ impl Data<'_> {
             let position = DVec3::from(mesh.positions[i]);
             mesh.positions[i] = moves.transform_point3(position).to_array();
             if let Some(normal) = mesh.normals.get_mut(i) {
-                let [x, y, z] = [moves.x_axis, moves.y_axis, moves.z_axis].map(|c| c.truncate());
+                let [x, y, z] =
+                    [moves.x_axis, moves.y_axis, moves.z_axis].map(glam::DVec4::truncate);
                 let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
                 let turned = cofactors * DVec3::from(normal.map(f64::from));
                 *normal = turned.normalize_or_zero().to_array().map(|c| c as f32);

@@ -26,10 +26,10 @@ pub(super) fn parse(bytes: &[u8], place: &str) -> Vec<Look> {
         let (keyword, rest) = split(&text);
         if keyword == "newmtl" {
             looks.push(Look { name: rest.to_owned(), ..Look::default() });
-        } else if let Some(look) = looks.last_mut() {
-            if let Err(problem) = look.line(keyword, rest) {
-                look.problems.push(format!("{place}: line {line}: {problem}"));
-            }
+        } else if let Some(look) = looks.last_mut()
+            && let Err(problem) = look.line(keyword, rest)
+        {
+            look.problems.push(format!("{place}: line {line}: {problem}"));
         }
     }
     looks

@@ -1,11 +1,11 @@
 //! Adaptive transparency (Salvi, Montgomery, Lefohn, HPG 2011): the visibility function of a pixel in k nodes, by a first
 //! geometry pass; a second one sums every fragment's colour times the visibility in front of it.
 //!
-//! A node is (d_i, T_i), T_i being what passes up to behind d_i. Where one too many comes, the node i that changes the
-//! function least goes, by (d_i - d_{i-1}) (T_{i-1} - T_i); never the first. Its predecessor takes T_i, so that visibility
+//! A node is (`d_i`, `T_i`), `T_i` being what passes up to behind `d_i`. Where one too many comes, the node i that changes the
+//! function least goes, by (`d_i` - d_{i-1}) (T_{i-1} - `T_i`); never the first. Its predecessor takes `T_i`, so that visibility
 //! is underestimated between both. d is the distance along the line of sight.
 //!
-//! Here a node has what passes *at* it, t_i = T_i / T_{i-1}, in 16 bits; T_i is the product from the front, rounded as
+//! Here a node has what passes *at* it, `t_i` = `T_i` / T_{i-1}, in 16 bits; `T_i` is the product from the front, rounded as
 //! compositing rounds ([`Ray`]). So a fragment multiplies one node and not all behind it, what was inserted does not
 //! depend on the order of insertions, and with k for all fragments the picture is the exact one, as long as no two of
 //! them are wholly alike (those see the same visibility).

@@ -1,14 +1,14 @@
 //! Hybrid transparency (Maule, Comba, Torchelsen, Bastos, I3D 2013): the k nearest fragments of a pixel exactly, its
 //! core; of the others, its tail, the average.
 //!
-//! c̄ = ΣC / Σα and ᾱ = Σα / m over the m fragments of the tail, and T_tail = (1 - ᾱ)^m. Pixel: core + T_core (c̄ (1 -
-//! T_tail) + T_tail B). With k for all fragments it is the exact picture.
+//! c̄ = ΣC / Σα and ᾱ = Σα / m over the m fragments of the tail, and `T_tail` = (1 - ᾱ)^m. Pixel: core + `T_core` (c̄ (1 -
+//! `T_tail`) + `T_tail` B). With k for all fragments it is the exact picture.
 //!
 //! One pass. The core is a k+-buffer under a spin lock (see `kplus_array`); what it culls or evicts goes into the tail's
 //! sums. Which fragments that is does not depend on arrival, and the sums are exact integers: of bytes, C = α c. There
 //! is room for 2^24 fragments.
 //!
-//! * `hybrid@product`: T_tail is the exact product Π (1 - α) of the tail.
+//! * `hybrid@product`: `T_tail` is the exact product Π (1 - α) of the tail.
 //! * `kplus-array+tail` (`kplus-array --tail`, as in nvpro-samples' `vk_order_independent_transparency`): what has no
 //!   room goes to the blending unit, which puts it over the rest of the tail in the order of arrival. It depends on
 //!   arrival where the tail has two fragments.

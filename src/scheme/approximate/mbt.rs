@@ -3,7 +3,7 @@
 //! Two geometry passes. The first sums the absorbance A = -ln(1 - α) of a pixel's fragments and its moments A u^j, where
 //! u is the fragment's distance on a logarithmic scale, -1 at the camera's near plane and 1 at its far plane (where rays
 //! are parallel, on a linear one). The second reconstructs the transmittance T(u) in front of each fragment
-//! ([`super::moments`]) and sums S_C = Σ C T and S_α = Σ α T. Resolve: S_C / S_α (1 - e^-b_0) + B e^-b_0; B where b_0
+//! ([`super::moments`]) and sums `S_C` = Σ C T and `S_α` = Σ α T. Resolve: `S_C` / `S_α` (1 - e^-b_0) + B e^-b_0; B where `b_0`
 //! is 0. It is exact for one layer. An opaque fragment counts as A = 10: it lets 4.5e-5 of the light through.
 //!
 //! Moments are integers at scale 2^40 in 64 bits: A <= 10, |u| <= 1, so that 2^19 fragments have room, and a term is
@@ -40,7 +40,7 @@ const SUM: f64 = (1u64 << 32) as f64;
 /// The largest transmittance relative to the nearest fragment's.
 const MOST_RATIO: f64 = (1 << 14) as f64;
 
-/// Moments of a pixel: b_0 to b_m; those beyond are 0.
+/// Moments of a pixel: `b_0` to `b_m`; those beyond are 0.
 type Moments = [u64; MOST + 1];
 
 /// The method.
@@ -122,7 +122,7 @@ pub fn absorbed(
     along.iter().map(at).collect()
 }
 
-/// What a fragment of each opacity byte adds to b_0.
+/// What a fragment of each opacity byte adds to `b_0`.
 #[must_use]
 pub fn absorbances() -> Box<[u64; 256]> {
     Box::new(std::array::from_fn(|alpha| libm::round(of_opacity(alpha as u32) * MOMENT) as u64))

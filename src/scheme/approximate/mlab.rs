@@ -1,7 +1,7 @@
 //! Multi-layer alpha blending (Salvi, Vaidyanathan, I3D 2014): k nodes in depth order; where one too many comes, the
 //! last two become one, which keeps the nearer depth.
 //!
-//! A node is (depth, C, T). Two nodes merge as C_i += T_i C_{i+1}, T_i *= T_{i+1}. Here a node is a fragment and what was
+//! A node is (depth, C, T). Two nodes merge as `C_i` += `T_i` C_{i+1}, `T_i` *= T_{i+1}. Here a node is a fragment and what was
 //! put behind it since: its depth and colour word, and a colour and a transmittance of 16 bits each, which compositing
 //! uses everywhere ([`Ray`]). So all of it is integers, a device gives the same bits, and with k for all fragments the
 //! picture is the exact one.

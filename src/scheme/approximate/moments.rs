@@ -1,13 +1,13 @@
 //! Transmittance from power moments (Münstermann, Krumpen, Klein, Peters, "Moment-based order-independent
 //! transparency", PACMCGIT 1(1), 2018): the Hamburger moment problem with an overestimation weight.
 //!
-//! Of a pixel's absorbance A(u), u from -1 to 1, are known b_0 = Σ A and b_j = Σ A u^j. Wanted is how much lies in front
-//! of u. With b' = (1 - ε) b / b_0 + ε β (the biased moments):
+//! Of a pixel's absorbance A(u), u from -1 to 1, are known `b_0` = Σ A and `b_j` = Σ A u^j. Wanted is how much lies in front
+//! of u. With b' = (1 - ε) b / `b_0` + ε β (the biased moments):
 //!
 //! 1. H c = (1, u, .., u^h), H the Hankel matrix of b', h = m / 2; by L D Lᵀ.
-//! 2. The h roots of c_0 + c_1 x + .. + c_h x^h and u itself are the nodes of a quadrature.
+//! 2. The h roots of `c_0` + `c_1` x + .. + `c_h` x^h and u itself are the nodes of a quadrature.
 //! 3. f is 1 at nodes before u, 0 at nodes behind it, and the overestimation at u.
-//! 4. p is the polynomial through (node, f), by divided differences; T = exp(-b_0 Σ p_j b'_j), at most 1.
+//! 4. p is the polynomial through (node, f), by divided differences; T = exp(-b_0 Σ `p_j` b'_j), at most 1.
 //!
 //! The roots are real where H is positive definite. In f64 the bias makes it so; in f32 it does not always, and then
 //! the published form gives what is no number. With [`Guard::Clamped`], what rounding makes complex counts as a double
@@ -87,7 +87,7 @@ real! { f32 f64 }
 /// Coefficients of a polynomial, lowest first; or one number for each node.
 type Row<R> = [R; 5];
 
-/// The logarithm of the transmittance at `u`, at most 0, from b_0 and the b_j / b_0 (without bias): 4, 6 or 8 of them
+/// The logarithm of the transmittance at `u`, at most 0, from `b_0` and the `b_j` / `b_0` (without bias): 4, 6 or 8 of them
 /// count, as `moments` says.
 #[must_use]
 pub fn log_transmittance<R: Real>(
@@ -131,7 +131,7 @@ fn share<R: Real, const H: usize>(b: &[R; MOST + 1], u: R, guard: Guard) -> R {
         for i in (order..=H).rev() {
             let apart = nodes[i] - nodes[i - order];
             let rise = values[i] - values[i - 1];
-            let same = guard == Guard::Clamped && !(apart.size() > zero);
+            let same = guard == Guard::Clamped && apart.size() <= zero;
             values[i] = if same { zero } else { rise / apart };
         }
     }

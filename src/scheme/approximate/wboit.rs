@@ -1,11 +1,11 @@
-//! Weighted blended order-independent transparency (McGuire, Bavoil, JCGT 2(2), 2013).
+//! Weighted blended order-independent transparency (`McGuire`, Bavoil, JCGT 2(2), 2013).
 //!
-//! One geometry pass: S_C = Σ C w, S_α = Σ α w, R = Π (1 - α), with C = α c and the paper's w(z, α), which has α as a
-//! factor ([`Weight`]). Resolve: S_C / S_α (1 - R) + B R; B where S_α is 0. It is exact for one layer, whatever the
+//! One geometry pass: `S_C` = Σ C w, `S_α` = Σ α w, R = Π (1 - α), with C = α c and the paper's w(z, α), which has α as a
+//! factor ([`Weight`]). Resolve: `S_C` / `S_α` (1 - R) + B R; B where `S_α` is 0. It is exact for one layer, whatever the
 //! weight; with equal weights, it is the mean colour by opacity.
 //!
 //! Sums are integers at scale 2^34 in 64 bits. A term is at most 3e3 of 2^34, so that 2^18 fragments of a pixel have
-//! room. The smallest term, of opacity 1/255 at the smallest weight, is 6.7e5 units of S_α: it is right to 7.5e-7 of
+//! room. The smallest term, of opacity 1/255 at the smallest weight, is 6.7e5 units of `S_α`: it is right to 7.5e-7 of
 //! itself. R is a sum of logarithms (`passing`).
 //!
 //! The weights are made for distances of about 0.1 to 500 units. A scene in other units is weighted otherwise: the unit
