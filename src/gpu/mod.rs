@@ -10,7 +10,8 @@
 //! `driver` → `twin` → `check`
 //!
 //! What decides a compared bit is computed in integers on both sides. Floats carry vertices to the device's rasterizer,
-//! exactly.
+//! exactly. Two twins that approximate add up floats besides: their sums are compared within bounds ([`twin::bounds`]),
+//! and decide nothing.
 
 pub mod check;
 pub mod driver;

@@ -90,7 +90,7 @@ fn words_and_colors_are_equal() {
             let device = &opened.device.name.name;
             println!("{device}: {name}: {fragments} fragments, {unsettled} pixels unsettled");
             let supported = *name != "stochastic" || opened.device.atomics64;
-            assert!(!supported || fragments > 100_000, "{name}: {sum:?}");
+            assert!(!supported || fragments > 50_000, "{name}: {sum:?}");
             assert!(*name != "mlab" || unsettled > 100, "{sum:?}");
         }
     }
@@ -116,7 +116,7 @@ fn scenes_find_changed_twins() {
         mutant("wboit", "alpha == 255u", "alpha == 256u"),
         mutant("wboit", "f32(alpha) / 255.0", "f32(alpha) / 256.0"),
         mutant_part("wboit", "sums", "u32(old + term.x < old)", "0u"),
-        mutant_part("wboit", "table", "pair.zw", "pair.xy"),
+        mutant_part("wboit", "table", "alpha % 2u == 0u", "alpha % 2u == 1u"),
         mutant("mbt", "power *= u", "power *= abs(u)"),
         mutant("mbt", "negative(term)", "term"),
         mutant("mbt", "POINT: u32 = 40u", "POINT: u32 = 41u"),
@@ -140,9 +140,12 @@ fn scenes_find_changed_twins() {
             if mutant.needs_atomics64() && !opened.device.atomics64 {
                 continue;
             }
-            let found = scenes.iter().any(|scene| {
+            // With k = 13, the last two of 14 fragments become one, and arrival decides nothing.
+            let ks: &[_] = if mutant.method.name() == "mlab" { &[None, Some(13)] } else { &[None] };
+            let tried = scenes.iter().flat_map(|scene| ks.iter().map(move |&k| (scene, k)));
+            let found = tried.into_iter().any(|(scene, k)| {
                 let picture = Picture::new(scene, opened.bits());
-                let (k, paths) = (None, vec![Path::Compute]);
+                let paths = vec![Path::Compute];
                 let options = Options { twins: vec![mutant], k, paths, ..Options::default() };
                 let bits = opened.bits();
                 crosscheck::run(&opened.device, scene, &picture, bits, &options)

@@ -149,17 +149,17 @@ fn lights(
         let n = expected.generated.pixel(pixel).len() as u64;
         let place = pixel as u32;
         let whole = got.counts[pixel] as usize == right.len() && found.len() == right.len();
-        let light = simulator.light(place, found);
+        let bounds = &promised.bounds;
         let (words, color) = match promised.light(pixel) {
             _ if !whole => (false, false),
             Some(promise) => (
-                promised.bounds.first_apart(right, found, n).is_none(),
-                promised.bounds.is_near(&promise, &light),
+                bounds.first_apart(right, found, n).is_none(),
+                bounds.is_near(&promise, &simulator.light(place, found)),
             ),
             None => {
                 sum.unsettled += 1;
-                let right = simulator.light(place, right);
-                (true, may_be_another_arrival(&right, &light, n))
+                let [one, other] = [right, found].map(|words| simulator.light(place, words));
+                (bounds.is_settled(right, found), may_be_another_arrival(&one, &other, n))
             }
         };
         sum.list_differences += u64::from(!words);

@@ -71,6 +71,8 @@ enum Color {
 pub struct Bounds {
     /// Of a pixel's first words; the others are the same.
     words: Vec<Word>,
+    /// Of a pixel where arrival decides, the word that it does not decide.
+    settled: Option<usize>,
     color: Color,
 }
 
@@ -80,7 +82,8 @@ impl Bounds {
     pub fn of(method: Method, config: &Config) -> Self {
         match method.name() {
             "wboit" => {
-                Self { words: vec![Word::OfItself(WEIGHTED); 4], color: Color::Within(COLOR) }
+                let words = vec![Word::OfItself(WEIGHTED); 4];
+                Self { words, settled: None, color: Color::Within(COLOR) }
             }
             "mbt" => {
                 let moments = config.approximation.moments;
@@ -92,9 +95,14 @@ impl Bounds {
                 words.extend((1..=moments).map(power));
                 // The reference, and the sums of the second pass.
                 words.extend([Word::Left; 5]);
-                Self { words, color: Color::Left }
+                Self { words, settled: None, color: Color::Left }
             }
-            _ => Self { words: Vec::new(), color: Color::Same },
+            // The lock and the number of nodes, behind what is behind each of k nodes.
+            "mlab" => {
+                let settled = config.k.or(method.contract().default_k).map(|k| k as usize);
+                Self { words: Vec::new(), settled, color: Color::Same }
+            }
+            _ => Self { words: Vec::new(), settled: None, color: Color::Same },
         }
     }
 
@@ -127,6 +135,12 @@ impl Bounds {
         (0..right.len().max(found.len())).find(|&i| !near(i))
     }
 
+    /// Whether those of a pixel's words that arrival does not decide are the same.
+    #[must_use]
+    pub fn is_settled(&self, right: &[u64], found: &[u64]) -> bool {
+        self.settled.is_none_or(|word| right.get(word) == found.get(word))
+    }
+
     /// Whether a colour is near enough to the simulator's.
     #[must_use]
     pub fn is_near(&self, right: &Light, found: &Light) -> bool {
@@ -144,7 +158,8 @@ impl Bounds {
 }
 
 /// Whether a colour may come from another arrival of the same `n` fragments: the same number of nodes, and a
-/// transmittance whose two roundings of each fragment, by half a unit of 16 bits at most, differ in either.
+/// transmittance that is within rounding. In either arrival there are two roundings for each fragment, by half a unit of
+/// 16 bits at most.
 #[must_use]
 pub fn may_be_another_arrival(right: &Light, found: &Light, n: u64) -> bool {
     let apart = (right.transmittance - found.transmittance).abs() * 65_535.0;

@@ -1,5 +1,5 @@
-//! Twins: the WGSL text of a method, its shape on a device, the program of its passes, scenes cut to fit a device, fragments from the device's
-//! rasterizer, and lists, resolved.
+//! Twins: the WGSL text of a method, its shape on a device, the program of its passes, scenes cut to fit a device, what
+//! their pixels must hold, fragments from the device's rasterizer, and lists, resolved.
 
 pub mod band;
 pub mod bounds;

@@ -165,7 +165,8 @@ impl<V: Variant> Scheme for Mlab<V> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, held: &mut Light) {
-        let count = mem.plain_load(self.count.at(pixel, 0)).await;
+        // More would be a fault, of a device for example.
+        let count = mem.plain_load(self.count.at(pixel, 0)).await.min(self.k);
         let mut nodes = Vec::with_capacity(count as usize);
         for i in 0..count {
             nodes.push(self.node(mem, pixel, i).await);
