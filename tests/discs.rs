@@ -55,8 +55,8 @@ const PERSPECTIVE: Projection = Projection::Perspective { fov_y: 40.0 };
 
 fn random_disc(random: &mut Random, reach: f64) -> Disc {
     let mut vector = |reach: f64| [0; 3].map(|_| ((random.unit() * 2.0 - 1.0) * reach) as f32);
-    let (center, axes) = (vector(1.5), [vector(reach), vector(reach)]);
-    Disc { center: center.map(f64::from), axes, color: [1.0; 3], alpha: 1.0, sigmas: 0.0 }
+    let (center, axes) = (vector(1.5).map(f64::from), [vector(reach), vector(reach)]);
+    Disc { center, axes, color: [1.0; 3], alpha: 1.0, sigmas: 0.0 }
 }
 
 /// Every fragment of every disc, against the reference of its outline; the outline's corners lie on the ellipse, and
@@ -131,9 +131,8 @@ fn opacity_falls_off_as_a_gaussian() {
         let disc = Disc { sigmas: 3.0, alpha, ..random_disc(&mut random, 1.0) };
         let scene = scene(vec![disc], PERSPECTIVE, DMat4::IDENTITY);
         let front = front(&scene);
-        let [center, a, b] =
-            [disc.center, disc.axes[0].map(f64::from), disc.axes[1].map(f64::from)]
-                .map(DVec3::from);
+        let center = DVec3::from(disc.center);
+        let [a, b] = disc.axes.map(|axis| DVec3::from(axis.map(f64::from)));
         let normal = a.cross(b);
         let half = scene.camera.half_extent(SIZE);
         front.packets_in_order(|packet| {
@@ -166,7 +165,7 @@ fn a_disc_takes_one_index() {
     let mut random = Random::new(1, 0);
     let flat = |random: &mut Random| Disc {
         axes: [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]],
-        center: [0.0, 0.0, f64::from(random.unit() as f32)],
+        center: [0.0, 0.0, random.unit()],
         ..random_disc(random, 1.0)
     };
     let mut scene = scene(vec![flat(&mut random), flat(&mut random)], PERSPECTIVE, DMat4::IDENTITY);

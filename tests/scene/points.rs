@@ -99,7 +99,7 @@ fn a_sphere_gets_normals_outwards() {
     let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
     let model = parse("x y z", &rows).unwrap();
     let worst = discs(&model).iter().map(|disc| {
-        let center = DVec3::from(disc.center.map(f64::from)).normalize();
+        let center = DVec3::from(disc.center).normalize();
         normal(disc).normalize().dot(center)
     });
     let worst = worst.fold(1.0, f64::min);

@@ -15,14 +15,15 @@ fn hash(scene: &Scene) -> String {
     let mut floats = |values: &[f32]| values.iter().for_each(|v| hash.update(v.to_le_bytes()));
     for object in &scene.objects {
         let mesh = &object.mesh;
-        // Generators make places in single precision.
-        let single = |place: &[f64; 3]| place.map(|v| v as f32);
-        let places: Vec<[f32; 3]> = mesh.positions.iter().map(single).collect();
-        for values in [&places, &mesh.normals, &mesh.colors] {
+        // Generators make single precision.
+        for place in &mesh.positions {
+            floats(&place.map(|c| c as f32));
+        }
+        for values in [&mesh.normals, &mesh.colors] {
             floats(values.as_flattened());
         }
         for disc in &mesh.discs {
-            floats(&single(&disc.center));
+            floats(&disc.center.map(|c| c as f32));
             floats(disc.axes.as_flattened());
             floats(&disc.color);
             floats(&[disc.alpha, disc.sigmas]);

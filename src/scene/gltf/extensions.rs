@@ -1,6 +1,8 @@
 //! What the file's extensions are about: a file that requires one that changes the geometry is refused unless it is
 //! supported; those about looks are named in a warning, and those about neither are left out.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use super::super::model::Unplaced;
@@ -75,13 +77,12 @@ pub(super) fn check(root: &Value, tally: &mut Tally) -> Unplaced<()> {
             return Err(format!("extensionsRequired: {name:?} is not supported{advice}"));
         }
     }
-    let mut said = Vec::new();
+    let mut said = BTreeSet::new();
     for name in names("extensionsUsed")?.into_iter().chain(required) {
         let quiet = DRAWN.contains(&name) || begins(name, &SILENT) || PACKED.contains(&name);
-        if quiet || said.contains(&name) {
-            continue;
+        if !quiet {
+            said.insert(name);
         }
-        said.push(name);
     }
     let (looks, unknown): (Vec<_>, Vec<_>) =
         said.into_iter().partition(|name| begins(name, &LOOKS));

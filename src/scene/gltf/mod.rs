@@ -102,7 +102,7 @@ struct Loader<'a> {
     /// Meshes by number and weights.
     known: BTreeMap<(usize, Vec<u64>), Vec<Part>>,
     tally: Tally,
-    /// How many corners and vertices were read so far.
+    /// How many corners, vertices, joints and instances were read so far.
     read: usize,
     /// Whether something is there that is not to be seen.
     gone: bool,
@@ -136,6 +136,7 @@ impl<'a> Loader<'a> {
             let field = |key| json::index(node, key).map_err(|p| self.data.wrong(&name, &p));
             let (Some(mesh), skin) = (field("mesh")?, field("skin")?) else { continue };
             let instances = self.data.instances(node, &name)?;
+            self.spend(instances.as_ref().map_or(0, Vec::len), &name)?;
             let weights = self.weights(node, mesh, &name)?;
             let joints = match skin {
                 Some(skin) => Some((skin, self.data.joints(skin, &placed.places)?)),
@@ -147,7 +148,10 @@ impl<'a> Loader<'a> {
                     Some(_) => Err("it has instances, too"),
                 });
                 let said = match joints {
-                    Ok(joints) => self.skinned(mesh, &weights, &joints)?,
+                    Ok(joints) => {
+                        self.spend(joints.len(), &name)?;
+                        self.skinned(mesh, &weights, &joints)?
+                    }
                     Err(problem) => Err(problem),
                 };
                 match said {
@@ -238,21 +242,28 @@ impl<'a> Loader<'a> {
     }
 
     fn primitive(&mut self, value: &Value, name: &str, weights: &[f64]) -> Result<Option<Mesh>> {
+        self.spend(1, name)?;
         match self.data.primitive(value, name, weights, &mut self.tally)? {
             Found::LeftOut(why) => {
                 self.tally.add(why, || name.to_owned());
                 Ok(None)
             }
             Found::Mesh(mesh) => {
-                let corners = mesh.positions.len().saturating_add(3 * mesh.triangles.len());
-                self.read = self.read.saturating_add(corners);
-                if self.read > 4 * MAX_TRIANGLES {
-                    let problem = format!("more than {} corners so far", 4 * MAX_TRIANGLES);
-                    return Err(self.data.wrong(name, &problem));
-                }
+                self.spend(mesh.positions.len().saturating_add(3 * mesh.triangles.len()), name)?;
                 Ok(Some(*mesh))
             }
         }
+    }
+
+    /// Counts what is read, since a small file may ask for the same things again and again.
+    fn spend(&mut self, count: usize, name: &str) -> Result<()> {
+        self.read = self.read.saturating_add(count);
+        if self.read <= 4 * MAX_TRIANGLES {
+            return Ok(());
+        }
+        let problem =
+            format!("more than {} corners, joints or instances so far", 4 * MAX_TRIANGLES);
+        Err(self.data.wrong(name, &problem))
     }
 
     /// Brings the material to a mesh.

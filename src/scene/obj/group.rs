@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::Mesh;
-use super::reader::Reader;
+use super::vertices::Vertices;
 
 /// The number of a normal that is not there.
 pub(super) const NONE: u32 = u32::MAX;
@@ -38,16 +38,16 @@ impl Group {
     }
 
     /// Takes the vertices over from the whole file.
-    pub(super) fn collect(&mut self, reader: &Reader) {
+    pub(super) fn collect(&mut self, all: &Vertices) {
         self.places = BTreeMap::new();
         let vertices = || self.corners.iter().map(|&(vertex, _)| vertex as usize);
         let smooth = self.corners.iter().all(|&(_, normal)| normal != NONE);
-        let normals = self.corners.iter().map(|&(_, normal)| reader.normals[normal as usize]);
+        let normals = self.corners.iter().map(|&(_, normal)| all.normals[normal as usize]);
         self.mesh = Mesh {
-            positions: vertices().map(|v| reader.positions[v]).collect(),
+            positions: vertices().map(|v| all.positions[v]).collect(),
             normals: if smooth { normals.collect() } else { Vec::new() },
-            colors: reader.colors().map_or(Vec::new(), |all| vertices().map(|v| all[v]).collect()),
-            alphas: reader.alphas().map_or(Vec::new(), |all| vertices().map(|v| all[v]).collect()),
+            colors: all.colors().map_or(Vec::new(), |c| vertices().map(|v| c[v]).collect()),
+            alphas: all.alphas().map_or(Vec::new(), |a| vertices().map(|v| a[v]).collect()),
             triangles: std::mem::take(&mut self.triangles),
             discs: Vec::new(),
         };

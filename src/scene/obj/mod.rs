@@ -4,8 +4,9 @@
 mod group;
 mod mtl;
 mod reader;
+mod vertices;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use self::mtl::Look;
 use self::reader::Reader;
@@ -47,20 +48,20 @@ pub fn parse(
         known.insert(&look.name, model.add_material(look.material(plain, &mut tally)));
     }
     let plain = model.add_material(Material::new("default", plain, 1.0));
-    let mut unknown = Vec::new();
+    let mut unknown = BTreeSet::new();
     for group in groups {
         let name = &said.names[group.material];
         let material = find(&known, name);
         if let Some(look) = material.and_then(|i| looks.get(i)) {
             look.warn_of_pictures(&mut tally);
-        } else if !name.is_empty() && !unknown.contains(name) {
-            unknown.push(name.clone());
+        } else if !name.is_empty() {
+            unknown.insert(name.clone());
         }
         let mesh: Mesh = group.mesh();
         check::mesh(place, &mesh)?;
         model.add_mesh(mesh, material.unwrap_or(plain));
     }
-    model.warnings = gaps(&missing, &unknown, place);
+    model.warnings = gaps(&missing, &unknown.into_iter().collect::<Vec<_>>(), place);
     model.warnings.extend(tally.warnings(place));
     Ok(model)
 }

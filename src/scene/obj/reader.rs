@@ -1,10 +1,11 @@
 //! Line by line: vertices are kept, faces become triangles at once.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::model::Unplaced;
 use super::super::parts::{Cutter, Tally};
 use super::group::{Group, NONE};
+use super::vertices::Vertices;
 use super::{clipped, number, split};
 
 /// What a file says besides its faces.
@@ -22,19 +23,14 @@ pub(super) struct Said {
 /// The file so far.
 #[derive(Default)]
 pub(super) struct Reader {
-    pub(super) positions: Vec<[f64; 3]>,
+    vertices: Vertices,
     /// What is wrong with vertices, by number; no face may use them.
     broken: BTreeMap<usize, (usize, String)>,
-    /// As many as positions, or none yet.
-    colors: Vec<[f32; 3]>,
-    alphas: Vec<f32>,
-    colored: usize,
-    translucent: bool,
-    pub(super) normals: Vec<[f32; 3]>,
     texcoords: usize,
     /// How many faces have normals at all corners, and how many do not.
     faces: [usize; 2],
     numbers: BTreeMap<String, usize>,
+    libraries: BTreeSet<String>,
     group: Group,
     groups: Vec<Group>,
     said: Said,
@@ -59,9 +55,8 @@ impl Reader {
             "f" | "fo" => return self.face(line, rest),
             "usemtl" => self.material(rest),
             "mtllib" => {
-                let libraries = &mut self.said.libraries;
-                if !rest.is_empty() && !libraries.iter().any(|known| known == rest) {
-                    libraries.push(rest.to_owned());
+                if !rest.is_empty() && self.libraries.insert(rest.to_owned()) {
+                    self.said.libraries.push(rest.to_owned());
                 }
             }
             "o" | "g" => self.begin(self.group.material),
@@ -77,9 +72,9 @@ impl Reader {
     pub(super) fn finish(mut self) -> (Vec<Group>, Said) {
         self.begin(0);
         let mut groups = std::mem::take(&mut self.groups);
-        groups.iter_mut().for_each(|group| group.collect(&self));
+        groups.iter_mut().for_each(|group| group.collect(&self.vertices));
         let mut said = std::mem::take(&mut self.said);
-        said.colored = self.colors().is_some();
+        said.colored = self.vertices.colors().is_some();
         if said.names.is_empty() {
             said.names.push(String::new());
         }
@@ -88,7 +83,7 @@ impl Reader {
                 format!("line {line}: v: {problem}")
             });
         }
-        if self.colored != 0 && self.colored != self.positions.len() {
+        if self.vertices.is_mixed() {
             let first = || "v: only some vertices have colours".to_owned();
             said.tally.add("all colours are left out", first);
         }
@@ -97,16 +92,6 @@ impl Reader {
             said.tally.add("groups that mix them have none", first);
         }
         (groups, said)
-    }
-
-    /// The vertices' colours, if all have one.
-    pub(super) fn colors(&self) -> Option<&[[f32; 3]]> {
-        (self.colored > 0 && self.colored == self.positions.len()).then_some(&self.colors)
-    }
-
-    /// The vertices' opacities, if colours count and any has one.
-    pub(super) fn alphas(&self) -> Option<&[f32]> {
-        self.colors().and_then(|_| self.translucent.then_some(&self.alphas[..]))
     }
 
     fn begin(&mut self, material: usize) {
@@ -142,8 +127,8 @@ impl Reader {
             }
             few => Err(format!("needs 3 to 7 numbers, not {}", few.len())),
         };
-        let place = self.positions.len();
-        self.positions.push(position.unwrap_or_else(|problem| {
+        let place = self.vertices.positions.len();
+        self.vertices.positions.push(position.unwrap_or_else(|problem| {
             self.broken.insert(place, (line, problem));
             [0.0; 3]
         }));
@@ -157,12 +142,7 @@ impl Reader {
                     [Ok(alpha)] => Some(channel(*alpha)),
                     _ => None,
                 };
-                self.colors.resize(place, [1.0; 3]);
-                self.colors.push(color);
-                self.translucent |= alpha.is_some();
-                self.alphas.resize(place, 1.0);
-                self.alphas.push(alpha.unwrap_or(1.0));
-                self.colored += 1;
+                self.vertices.color(color, alpha);
             }
             more if more.len() > 3 => {
                 tally.add("what follows x y z is no colour, and is left out", || {
@@ -184,7 +164,7 @@ impl Reader {
                 format!("line {line}: vn {}", clipped(rest))
             });
         }
-        self.normals.push(normal);
+        self.vertices.normals.push(normal);
     }
 
     fn face(&mut self, line: usize, rest: &str) -> Unplaced<()> {
@@ -202,7 +182,8 @@ impl Reader {
         if !smooth {
             corners.iter_mut().for_each(|(_, normal)| *normal = NONE);
         }
-        let outline: Vec<_> = corners.iter().map(|&(v, _)| self.positions[v as usize]).collect();
+        let outline: Vec<_> =
+            corners.iter().map(|&(v, _)| self.vertices.positions[v as usize]).collect();
         let (triangles, whole) = self.cutter.cut(&outline);
         if !whole {
             self.said.tally.add("the outline of the face crosses itself", || {
@@ -222,9 +203,9 @@ impl Reader {
     /// The vertex and the normal, from 0, of one corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&mut self, line: usize, word: &str) -> Unplaced<(u32, u32)> {
         let mut parts = word.split('/');
-        let vertex = index(parts.next(), "vertex", self.positions.len())?;
+        let vertex = index(parts.next(), "vertex", self.vertices.positions.len())?;
         let texcoord = index(parts.next(), "texture coordinate", self.texcoords);
-        let normal = index(parts.next(), "normal", self.normals.len());
+        let normal = index(parts.next(), "normal", self.vertices.normals.len());
         let (Some(vertex), None) = (vertex, parts.next()) else {
             return Err(format!("f: {:?} is not v, v/vt, v//vn or v/vt/vn", clipped(word)));
         };
@@ -237,7 +218,7 @@ impl Reader {
         };
         texcoord.unwrap_or_else(&mut left_out);
         let normal = normal.unwrap_or_else(&mut left_out);
-        let whole = |&normal: &usize| self.normals[normal].iter().all(|v| v.is_finite());
+        let whole = |&normal: &usize| self.vertices.normals[normal].iter().all(|v| v.is_finite());
         Ok((vertex as u32, normal.filter(whole).map_or(NONE, |normal| normal as u32)))
     }
 }
