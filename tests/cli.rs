@@ -55,7 +55,7 @@ fn wrong_values_are_one_line_that_names_the_option() {
         ("render x -k -1", &["-k"]),
         ("render x --size 0x4", &["--size:", "16384"]),
         ("render x --size 16385x4", &["--size:", "16384"]),
-        ("render x --size 64", &["--size:", "640x480"]),
+        ("render x --size 64y", &["--size:", "640x480"]),
         ("render x --alpha 1.01", &["--alpha:", "0 to 1"]),
         ("render x --alpha -1", &["--alpha:"]),
         ("render x --alpha nan", &["--alpha:"]),

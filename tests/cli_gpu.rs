@@ -48,7 +48,7 @@ fn bad_input_is_one_line() {
         ("crosscheck -k 0", &["-k:", "at least 1"]),
         ("crosscheck -m kb -k 65", &["-k:", "kb", "at most"]),
         ("crosscheck --size 0x4", &["--size:", "16384"]),
-        ("crosscheck --size 4x4,4", &["--size:", "\"4\"", "640x480"]),
+        ("crosscheck --size 4x4,4y", &["--size:", "\"4y\"", "640x480"]),
         ("crosscheck --size 4x4 --quick", &["--size", "--quick"]),
         ("crosscheck --path both", &["--path", "raster", "compute"]),
         ("crosscheck --order sorted", &["--order", "shuffled"]),

@@ -90,7 +90,10 @@ mod tests {
     fn sizes() {
         assert_eq!(size("640x480").unwrap(), [640, 480]);
         assert_eq!(size("1x16384").unwrap(), [1, 16_384]);
-        for bad in ["0x4", "4x0", "16385x1", "4", "4x", "x4", "4x4x4", "-4x4", "4 x 4", ""] {
+        assert_eq!([size("24").unwrap(), size("4k").unwrap()], [[24, 24], [3_840, 2_160]]);
+        for bad in
+            ["0x4", "4x0", "16385x1", "0", "4y", "5k", "4x", "x4", "4x4x4", "-4x4", "4 x 4", ""]
+        {
             assert_eq!(size(bad).unwrap_err().place(), "--size", "{bad}");
         }
     }

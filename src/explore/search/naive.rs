@@ -193,6 +193,14 @@ mod tests {
             "skb+ofm",
             "skb+ofm@published",
             "skb+ofm@released",
+            "wboit@published-f32",
+            "mbt",
+            "mbt@published-f32",
+            "adaptive",
+            "adaptive@over",
+            "adaptive@keeps-last",
+            "stochastic@depth",
+            "blend-unsorted",
         ];
         assert_eq!(left_out, if most.is_some() { vec![] } else { large.to_vec() });
     }
