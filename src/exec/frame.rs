@@ -15,7 +15,7 @@ use crate::raster::Grid;
 use crate::resolve::compact::Compact;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Kept, Lists};
-use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, exact};
+use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, Single, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +54,7 @@ pub struct TileOutput {
 }
 
 /// What the pixels of a tile hold, one after another, front to back.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Fragments.
     Keys(Vec<u64>),
@@ -177,55 +177,72 @@ impl<'a> Finisher<'a> {
     /// The next pixel: its fragments in any order, and its counts.
     #[inline]
     pub fn keys(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
-        self.surfaces(keys, generated, gone, 0);
+        self.singles(keys, generated, gone, 0);
     }
 
-    /// Surfaces of one fragment each, and how many fragments were merged into others.
+    /// What is one fragment each, and how many fragments were merged into others.
     #[inline]
-    fn surfaces(&mut self, keys: &mut [u64], generated: u32, gone: u32, merged: u32) {
-        self.job.sort.run(keys);
+    fn singles<T: Single>(&mut self, all: &mut [T], generated: u32, gone: u32, merged: u32) {
+        self.job.sort.run(all);
         let mut ray = Ray::default();
-        for &key in keys.iter() {
-            ray.over(self.color(key));
+        for one in all.iter() {
+            ray.over(self.color(one.key()));
             if ray.is_opaque() {
                 break;
             }
         }
         match &mut self.output.column {
-            Column::Keys(all) => all.extend_from_slice(keys),
-            Column::Records(all) => all.surfaces(keys),
+            Column::Keys(keys) => keys.extend(all.iter().map(|one| one.key())),
+            Column::Records(records) => records.singles(all),
             Column::Lights(_) | Column::Depths(_) => {}
         }
         self.output.colors.push(ray.finish(self.job.background));
-        self.output.counts.push(keys.len() as u32);
-        self.output.tally.pixel(generated, gone, keys.len(), merged);
+        self.output.counts.push(all.len() as u32);
+        self.output.tally.pixel(generated, gone, all.len(), merged);
     }
 
-    /// Merged records. Surfaces among them are sorted and composited as fragments are, which gives the same.
+    /// Merged records. Those of one fragment are sorted and composited as fragments are, which gives the same.
     fn records(&mut self, records: &mut Records, generated: u32, gone: u32) {
-        let Records { list, surfaces, merged } = records;
-        if list.is_empty() {
-            return self.surfaces(surfaces, generated, gone, *merged);
+        if !records.wholes.is_empty() {
+            records.unite();
         }
-        self.job.sort.run(surfaces);
+        let Records { list, surfaces, wholes, merged } = records;
+        match (list.is_empty(), wholes.is_empty()) {
+            (true, true) => self.singles(surfaces, generated, gone, *merged),
+            (true, false) => self.singles(wholes, generated, gone, *merged),
+            (false, true) => self.mixed(list, surfaces, generated, gone, *merged),
+            (false, false) => self.mixed(list, wholes, generated, gone, *merged),
+        }
+    }
+
+    /// Records among which there are some of one fragment.
+    fn mixed<T: Single>(
+        &mut self,
+        list: &mut [Record],
+        singles: &mut [T],
+        generated: u32,
+        gone: u32,
+        merged: u32,
+    ) {
+        self.job.sort.run(singles);
         list.sort_unstable();
         let Column::Records(all) = &mut self.output.column else { return };
-        let (mut ray, mut rest) = (Ray::default(), surfaces.as_slice());
+        let (mut ray, mut rest) = (Ray::default(), &*singles);
         for record in list.iter().map(Some).chain([None]) {
-            let is_before = |key: u64| record.is_none_or(|record| is_before(key, record));
-            let (before, behind) = rest.split_at(rest.partition_point(|&key| is_before(key)));
-            before.iter().for_each(|&key| ray.over(data_of(key)));
-            all.surfaces(before);
+            let is_before = |one: T| record.is_none_or(|record| is_before(one, record));
+            let (before, behind) = rest.split_at(rest.partition_point(|&one| is_before(one)));
+            before.iter().for_each(|one| ray.over(data_of(one.key())));
+            all.singles(before);
             rest = behind;
             if let Some(record) = record {
                 ray.over_record(record);
                 all.record(*record);
             }
         }
-        let count = list.len() + surfaces.len();
+        let count = list.len() + singles.len();
         self.output.colors.push(ray.finish(self.job.background));
         self.output.counts.push(count as u32);
-        self.output.tally.pixel(generated, gone, count, *merged);
+        self.output.tally.pixel(generated, gone, count, merged);
     }
 
     /// A colour or a depth.
@@ -268,11 +285,11 @@ impl<'a> Finisher<'a> {
     }
 }
 
-/// Whether a surface, as a key, comes before a record in canonical order.
+/// Whether a fragment comes before a record in canonical order.
 #[inline]
-fn is_before(key: u64, record: &Record) -> bool {
-    match depth_of(key).cmp(&record.depth) {
-        Ordering::Equal => Record::of_key(key) < *record,
+fn is_before(one: impl Single, record: &Record) -> bool {
+    match depth_of(one.key()).cmp(&record.depth) {
+        Ordering::Equal => one.record() < *record,
         order => order == Ordering::Less,
     }
 }

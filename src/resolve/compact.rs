@@ -1,30 +1,40 @@
-//! A tile's merged records in little memory. Where nothing was merged, a record is a fragment, which takes 8 bytes
-//! instead of 56: less for the system to hand out, page by page, and that is most of what long lists cost.
+//! A tile's merged records in little memory. Where nothing was merged, a record is a fragment, which takes 8 bytes, or
+//! 16 with its thickness, instead of 56: less for the system to hand out, page by page, and that is most of what long
+//! lists cost.
 
 use crate::fragment::{data_of, depth_of, key};
 use crate::num::depth::EMPTY;
-use crate::scheme::Record;
+use crate::scheme::{Record, Single};
 
 /// Records, one after another.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Compact {
-    /// Surfaces of one fragment, as keys. The depth [`EMPTY`], which no fragment has, says that it is the record of the
+    /// Those of one fragment, as keys. The depth [`EMPTY`], which no fragment has, says that it is the record of the
     /// data word's number.
     keys: Vec<u64>,
+    /// How thick the first of them are, by place; the others are surfaces.
+    thicknesses: Vec<f64>,
     /// The others.
     records: Vec<Record>,
 }
 
 impl Compact {
-    /// Make room for so many that are surfaces.
+    /// Make room for so many that are one fragment each.
     pub fn reserve(&mut self, count: usize) {
         self.keys.reserve_exact(count);
     }
 
-    /// Add surfaces of one fragment each, as keys with colour words.
+    /// Add records of one fragment each.
     #[inline]
-    pub fn surfaces(&mut self, keys: &[u64]) {
-        self.keys.extend_from_slice(keys);
+    pub fn singles<T: Single>(&mut self, all: &[T]) {
+        let begin = self.keys.len();
+        self.keys.extend(all.iter().map(|one| one.key()));
+        if T::THICK {
+            // As much room as the keys have, so that it does not grow step by step.
+            self.thicknesses.reserve_exact(self.keys.capacity() - self.thicknesses.len());
+            self.thicknesses.resize(begin, 0.0);
+            self.thicknesses.extend(all.iter().map(|one| one.thickness()));
+        }
     }
 
     /// Add a record.
@@ -36,10 +46,13 @@ impl Compact {
 
     /// Copy the records from number `first` on, as many as `out` takes.
     pub fn copy(&self, first: usize, out: &mut [Record]) {
-        for (out, &key) in out.iter_mut().zip(&self.keys[first..]) {
+        for (place, (out, &key)) in (first..).zip(out.iter_mut().zip(&self.keys[first..])) {
             let merged =
                 if depth_of(key) == EMPTY { self.records.get(data_of(key) as usize) } else { None };
-            *out = merged.copied().unwrap_or_else(|| Record::of_key(key));
+            *out = merged.copied().unwrap_or_else(|| {
+                let thickness = self.thicknesses.get(place).copied().unwrap_or(0.0);
+                Record { thickness, ..Record::of_key(key) }
+            });
         }
     }
 }
@@ -47,22 +60,26 @@ impl Compact {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scheme::Whole;
 
     #[test]
     fn what_goes_in_comes_out() {
         let (near, far) = (key(3, 0x8000_FF01), key(EMPTY - 1, u32::MAX));
         let merged = Record { thickness: 0.5, weight: 2.0, ..Record::surface(4, 7) };
         let mut compact = Compact::default();
-        compact.surfaces(&[near]);
+        let thick = Whole::new(key(4, 0xFF00_0000), 0.25);
+        compact.singles(&[near]);
+        assert_eq!(compact.thicknesses.capacity(), 0, "surfaces take no more than their keys");
         compact.record(merged);
+        compact.singles(&[thick]);
         compact.record(Record::surface(EMPTY, 9));
-        compact.surfaces(&[far, far]);
+        compact.singles(&[far, far]);
         let [near, far] = [near, far].map(Record::of_key);
-        let expected = [near, merged, Record::surface(EMPTY, 9), far, far];
-        let mut found = [Record::default(); 5];
+        let expected = [near, merged, thick.record(), Record::surface(EMPTY, 9), far, far];
+        let mut found = [Record::default(); 6];
         compact.copy(0, &mut found);
         assert_eq!(found, expected);
         compact.copy(2, &mut found[..3]);
-        assert_eq!(found[..3], expected[2..]);
+        assert_eq!(found[..3], expected[2..5]);
     }
 }

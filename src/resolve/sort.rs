@@ -23,7 +23,7 @@ pub enum Sort {
 impl Sort {
     /// Sort ascending.
     #[inline]
-    pub fn run(self, keys: &mut [u64]) {
+    pub fn run<T: Ord + Copy>(self, keys: &mut [T]) {
         match self {
             Self::Fastest => canonical(keys),
             Self::Published => published(keys, || ()),
@@ -67,11 +67,11 @@ fn insert_by<T: Ord + Copy>(gap: usize, list: &mut [T], operation: &mut impl FnM
 
 /// Sort ascending.
 #[inline]
-pub fn canonical(keys: &mut [u64]) {
+pub fn canonical<T: Ord + Copy>(keys: &mut [T]) {
     if keys.len() <= INSERTION { insertion(keys) } else { keys.sort_unstable() }
 }
 
-fn insertion(keys: &mut [u64]) {
+fn insertion<T: Ord + Copy>(keys: &mut [T]) {
     for i in 1..keys.len() {
         let key = keys[i];
         let mut place = i;

@@ -21,6 +21,32 @@ pub struct Record {
     pub weight: f64,
 }
 
+/// A record of one fragment of any thickness, in few bytes. Two are equal if their bits are.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    key: u64,
+    thickness: f64,
+}
+
+/// A record of one fragment, in few bytes: its key with the colour word, and its thickness if it may have one. In their
+/// own order, these are in the canonical order of their records.
+pub trait Single: Copy + Ord {
+    /// It may have a thickness.
+    const THICK: bool;
+
+    /// Its depth and colour word.
+    fn key(self) -> u64;
+
+    /// As of [`Record`].
+    fn thickness(self) -> f64;
+
+    /// Spelt out.
+    #[inline]
+    fn record(self) -> Record {
+        Record { thickness: self.thickness(), ..Record::of_key(self.key()) }
+    }
+}
+
 /// A pixel's merged records.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Records {
@@ -29,6 +55,8 @@ pub struct Records {
     /// More of them, in any order: surfaces of one fragment each, as keys with colour words. They are cheaper to sort,
     /// to composite and to keep.
     pub surfaces: Keys,
+    /// More of them, in any order: what is one fragment and no surface.
+    pub wholes: Vec<Whole>,
     /// Fragments that went into another record during resolve: those that no store invocation has reported as
     /// [`Outcome::Merged`](super::Outcome).
     pub merged: u32,
@@ -38,13 +66,68 @@ impl Records {
     /// Records of a list alone.
     #[must_use]
     pub fn of(list: Vec<Record>, merged: u32) -> Self {
-        Self { list, surfaces: Keys::new(), merged }
+        Self { list, merged, ..Self::default() }
+    }
+
+    /// Let all that are one fragment be of one kind.
+    pub fn unite(&mut self) {
+        self.wholes.extend(self.surfaces.drain(..).map(|key| Whole::new(key, 0.0)));
     }
 
     /// Put all of them into the list, in canonical order.
     pub fn sort(&mut self) {
-        self.list.extend(self.surfaces.drain(..).map(Record::of_key));
+        self.list.extend(self.surfaces.drain(..).map(Single::record));
+        self.list.extend(self.wholes.drain(..).map(Single::record));
         self.list.sort_unstable();
+    }
+}
+
+impl Whole {
+    /// One fragment: a key with a colour word, and its thickness.
+    #[inline]
+    #[must_use]
+    pub fn new(key: u64, thickness: f64) -> Self {
+        // What cannot be seen has no colour, so that keys compare as records do.
+        let color = if data_of(key) >> 24 == 0 { 0 } else { u64::from(u32::MAX) };
+        Self { key: key & (u64::from(u32::MAX) << 32 | color), thickness }
+    }
+
+    fn bits(&self) -> [u64; 2] {
+        [self.key, self.thickness.to_bits()]
+    }
+
+    #[inline]
+    fn order(&self, other: &Self) -> Ordering {
+        self.key.cmp(&other.key).then_with(|| self.bits().cmp(&other.bits()))
+    }
+}
+
+impl Single for Whole {
+    const THICK: bool = true;
+
+    #[inline]
+    fn key(self) -> u64 {
+        self.key
+    }
+
+    #[inline]
+    fn thickness(self) -> f64 {
+        self.thickness
+    }
+}
+
+/// A surface.
+impl Single for u64 {
+    const THICK: bool = false;
+
+    #[inline]
+    fn key(self) -> u64 {
+        self
+    }
+
+    #[inline]
+    fn thickness(self) -> f64 {
+        0.0
     }
 }
 
@@ -171,7 +254,7 @@ macro_rules! compared_by_bits {
     )*};
 }
 
-compared_by_bits! { Record Light }
+compared_by_bits! { Record Whole Light }
 
 /// What a pixel holds after resolve, of whichever kind its scheme gives.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -286,6 +369,7 @@ impl Held {
             Self::Records(records) => {
                 records.list.clear();
                 records.surfaces.clear();
+                records.wholes.clear();
                 records.merged = 0;
             }
             Self::Light(light) => *light = Light::default(),
@@ -304,6 +388,7 @@ impl Held {
             (Self::Records(records), Self::Records(mut more)) => {
                 records.list.append(&mut more.list);
                 records.surfaces.append(&mut more.surfaces);
+                records.wholes.append(&mut more.wholes);
                 records.merged += more.merged;
             }
             (own, other) => *own = other,
@@ -325,7 +410,9 @@ impl Held {
     pub fn len(&self) -> usize {
         match self {
             Self::Keys(keys) => keys.len(),
-            Self::Records(records) => records.list.len() + records.surfaces.len(),
+            Self::Records(records) => {
+                records.list.len() + records.surfaces.len() + records.wholes.len()
+            }
             Self::Light(light) => light.kept as usize,
             Self::Depth(_) => 0,
         }
@@ -374,8 +461,10 @@ impl std::fmt::Display for Held {
                         r.weight
                     )
                 };
-                let surfaces = records.surfaces.iter().map(|&key| entry(&Record::of_key(key)));
-                records.list.iter().map(entry).chain(surfaces).collect()
+                let Records { list, surfaces, wholes, .. } = records;
+                let surfaces = surfaces.iter().map(|key| entry(&key.record()));
+                let wholes = wholes.iter().map(|whole| entry(&whole.record()));
+                list.iter().map(entry).chain(surfaces).chain(wholes).collect()
             }
             Self::Light(Light { color: [r, g, b], transmittance, .. }) => {
                 return write!(f, "colour {r} {g} {b}, transmittance {transmittance}");
@@ -409,6 +498,22 @@ mod tests {
         held.sort();
         let sorted = vec![Record::of_key(near), list[0], Record::of_key(far)];
         assert_eq!(held, Records::of(sorted, 1).into_held());
+    }
+
+    /// What has the same key, and what cannot be seen, included.
+    #[test]
+    fn single_fragments_have_the_order_of_their_records() {
+        let words = [0x8000_FF01, 0xFF01_80FF, 0x00FF_0000, 0x0000_00FF, 0];
+        let all = [3, 4].into_iter().flat_map(|depth| words.map(|word| key(depth, word)));
+        let wholes = all.flat_map(|key| [0.5, 0.0, 0.25].map(|t| Whole::new(key, t)));
+        let mut records =
+            Records { wholes: wholes.collect(), surfaces: vec![key(3, 255)], ..Records::default() };
+        let mut spelt_out = records.clone();
+        spelt_out.sort();
+        records.unite();
+        records.wholes.sort_unstable();
+        let found: Vec<Record> = records.wholes.iter().map(|whole| whole.record()).collect();
+        assert_eq!((found, spelt_out.wholes.len()), (spelt_out.list, 0));
     }
 
     #[test]

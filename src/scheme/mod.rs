@@ -37,7 +37,7 @@ pub mod task;
 use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
-pub use held::{Depth, Held, HeldKind, Holds, Keys, Light, Record, Records};
+pub use held::{Depth, Held, HeldKind, Holds, Keys, Light, Record, Records, Single, Whole};
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};

@@ -10,7 +10,7 @@
 
 use std::marker::PhantomData;
 
-use super::components::{Stored, add, components, with_tail};
+use super::components::{Stored, add, alone, components, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, merging};
@@ -48,6 +48,7 @@ pub struct DfbMerged<M> {
     near: Words<Global, Plain, u32>,
     /// The most records of a pixel.
     most: u32,
+    distances: Distances,
     merge: M,
 }
 
@@ -75,7 +76,8 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let store = DynamicFragmentBuffer::new(config, layout);
         let near = layout.global(config.bounded);
-        Self { store, near, most: config.k.unwrap_or(8), merge: M::new(config) }
+        let (most, distances) = (config.k.unwrap_or(8), config.distances);
+        Self { store, near, most, distances, merge: M::new(config) }
     }
 
     async fn clear_frame<Mem: Memory>(&self, mem: &Mem) {
@@ -123,10 +125,13 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
         let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
         let mut thick = Vec::new();
+        let length = range.end - range.start;
         for record in range {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
             if near < depth_of(key) || M::CLOSED {
+                // Room for all at once, and none where all are surfaces.
+                thick.reserve(length as usize - thick.len());
                 thick.push(Stored { depth: depth_of(key), data: data_of(key), near });
             } else {
                 out.surfaces.push(key);
@@ -137,20 +142,31 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 }
 
 impl<M: Merge> DfbMerged<M> {
-    /// Merge `thick` slabs with the surfaces that are already records. A surface overlaps nothing, so it stays a record
-    /// as long as nothing is thick and there is room: the last record is for all that have none.
+    /// Merge `thick` slabs with the surfaces that are already records. Where all lie apart, each stays a record as long
+    /// as there is room: the last record is for all that have none. A surface overlaps nothing.
     #[inline]
     fn reduce(&self, mut thick: Vec<Stored>, out: &mut Records) {
-        if thick.is_empty() && out.surfaces.len() <= self.most as usize {
+        let most = self.most as usize;
+        if thick.is_empty() && out.surfaces.len() <= most {
             return;
         }
-        let stay = if thick.is_empty() { self.most - 1 } else { 0 };
+        let stay = if thick.is_empty() { most - 1 } else { 0 };
         out.surfaces.sort_unstable();
         let surface =
             |key| Stored { depth: depth_of(key), data: data_of(key), near: depth_of(key) };
-        thick.extend(out.surfaces.drain(stay as usize..).map(surface));
+        thick.extend(out.surfaces.drain(stay..).map(surface));
         thick.sort_unstable();
-        self.merge.merge(&thick, self.most - stay, out);
+        let apart = !M::CLOSED && thick.windows(2).all(|two| two[0].depth <= two[1].near);
+        let room = most - stay;
+        let stay = match apart {
+            true if thick.len() <= room => thick.len(),
+            true => room - 1,
+            false => 0,
+        };
+        thick[..stay].iter().for_each(|&slab| alone(out, slab, &self.distances));
+        if stay < thick.len() {
+            self.merge.merge(&thick[stay..], (room - stay) as u32, out);
+        }
     }
 }
 
