@@ -117,7 +117,6 @@ fn what_is_not_known_is_left_out_or_named() {
         ("x y z radius", &["0 0 0 1", "1 0 0 0"], "point 1: radius: 0 must be finite and above 0"),
         ("x y z radius", &["0 0 0 -1"], "point 0: radius: -1 must be finite and above 0"),
         ("x y z radius", &["0 0 0 1e99"], "point 0: radius: inf must be finite and above 0"),
-        ("x y z alpha", &["0 0 0 1", "1 0 0 -1"], "point 1: alpha -1 is not within 0 to 1"),
         ("x y z", &["1e99 0 0"], "points: needs at least one with finite x, y and z"),
         ("x y", &["0 0"], "element vertex: property z: is missing"),
         ("x y z", &[], "points: needs at least one"),
@@ -125,6 +124,9 @@ fn what_is_not_known_is_left_out_or_named() {
     ] {
         assert_fails(parse(properties, rows), &["p.ply: ", message]);
     }
+    let clamped = parse("x y z alpha red", &["0 0 0 1 0", "1 0 0 -1 7"]).unwrap();
+    assert_eq!(discs(&clamped)[1].alpha, 0.0);
+    assert!(clamped.warnings[0].contains("vertex 1: alpha: -1: is not within 0 to 1"));
 }
 
 /// The same whatever the order of the points: ties among neighbours do not hang on it.

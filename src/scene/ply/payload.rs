@@ -20,7 +20,7 @@ impl<'a> Payload<'a> {
     /// The next number. All but the largest integers of 8 bytes fit into an f64.
     pub(super) fn scalar(&mut self, scalar: Scalar) -> Unplaced<f64> {
         if self.encoding == Encoding::Text {
-            return self.word();
+            return self.word(scalar == Scalar::F32);
         }
         let size = scalar.size();
         let (bytes, left) = self.left.split_at_checked(size).ok_or("the file ends before it")?;
@@ -61,8 +61,8 @@ impl<'a> Payload<'a> {
         }
     }
 
-    /// The next number of a text.
-    fn word(&mut self) -> Unplaced<f64> {
+    /// The next number of a text; one that is `single` is rounded once, to its own type, as in a binary file.
+    fn word(&mut self, single: bool) -> Unplaced<f64> {
         let space = |byte: &u8| byte.is_ascii_whitespace();
         let start = self.left.iter().position(|b| !space(b)).unwrap_or(self.left.len());
         let (blank, left) = self.left.split_at(start);
@@ -77,7 +77,8 @@ impl<'a> Payload<'a> {
             return Err(format!("{}the file ends before it", self.place()));
         }
         let text = std::str::from_utf8(word).unwrap_or_default();
-        if let Ok(value) = text.parse() {
+        let value = if single { text.parse().map(|v: f32| v.into()) } else { text.parse::<f64>() };
+        if let Ok(value) = value {
             return Ok(value);
         }
         // Printed by C: -nan(ind), 1.#QNAN, -1.#IND and the like.
