@@ -107,7 +107,7 @@ fn scenes_find_changed_twins() {
         mutant("mlab", "TAKEN) == FREE", "TAKEN) < 2u"),
         mutant("mlab", "pixels[pixel].count = 0u", "pixels[pixel].count = 1u"),
         mutant_part("mlab", "ray", "32512u", "65024u"),
-        mutant_part("mlab", "ray", "+ 127u", "+ 254u"),
+        mutant_part("mlab", "ray", "(255u - alpha)", "(254u - alpha)"),
         mutant("wboit", "POINT: u32 = 34u", "POINT: u32 = 33u"),
         mutant("wboit", "z / 5.0) * (z / 5.0)", "z / 5.0) * (z / 5.0001)"),
         mutant("wboit", "NEAR_TIMES_FAR / (NEAR +", "NEAR_TIMES_FAR / (1.00001 * NEAR +"),
