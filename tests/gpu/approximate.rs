@@ -132,7 +132,7 @@ fn scenes_find_changed_twins() {
         mutant("stochastic", "Wide(fragment.extra, 0u)", "Wide(0u)"),
         mutant("stochastic", "Wide(place.x, place.y)", "Wide(place.y, place.x)"),
         mutant_part("stochastic", "random", "wide_fold(x, 31u)", "wide_fold(x, 30u)"),
-        mutant_part("stochastic", "random", "Wide(low.y, 0u)", "Wide(0u, 0u)"),
+        mutant_part("stochastic", "random", "wide_product(bits.y, n)", "wide_product(bits.x, n)"),
     ];
     for opened in all("mutants that approximate") {
         let mut unfound = Vec::new();
