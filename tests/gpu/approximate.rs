@@ -107,7 +107,7 @@ fn scenes_find_changed_twins() {
         mutant("mlab", "TAKEN) == FREE", "TAKEN) < 2u"),
         mutant("mlab", "pixels[pixel].count = 0u", "pixels[pixel].count = 1u"),
         mutant_part("mlab", "ray", "32512u", "65024u"),
-        mutant_part("mlab", "ray", "+ 127u", "+ 254u"),
+        mutant_part("mlab", "ray", "(255u - alpha)", "(254u - alpha)"),
         mutant("wboit", "POINT: u32 = 34u", "POINT: u32 = 33u"),
         mutant("wboit", "z / 5.0) * (z / 5.0)", "z / 5.0) * (z / 5.0001)"),
         mutant("wboit", "NEAR_TIMES_FAR / (NEAR +", "NEAR_TIMES_FAR / (1.00001 * NEAR +"),
@@ -132,7 +132,7 @@ fn scenes_find_changed_twins() {
         mutant("stochastic", "Wide(fragment.extra, 0u)", "Wide(0u)"),
         mutant("stochastic", "Wide(place.x, place.y)", "Wide(place.y, place.x)"),
         mutant_part("stochastic", "random", "wide_fold(x, 31u)", "wide_fold(x, 30u)"),
-        mutant_part("stochastic", "random", "Wide(low.y, 0u)", "Wide(0u, 0u)"),
+        mutant_part("stochastic", "random", "wide_product(bits.y, n)", "wide_product(bits.x, n)"),
     ];
     for opened in all("mutants that approximate") {
         let mut unfound = Vec::new();
