@@ -196,6 +196,9 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     }
     report.threads = threads;
     report.nan_pixels = kept.nan_pixels();
+    if report.generated == 0 && scene.volumes.is_empty() {
+        report.warnings.push(nothing_in_view(scene));
+    }
     report.image_hash = image.hash();
     report.fragments_hash = kept_hash(&kept);
     watch.lap("hash");
@@ -204,6 +207,24 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
     Ok(Rendering { image, kept, surfaces, voxels, shares, report, schedule, watched })
+}
+
+/// Where the scene lies, and where the camera looks.
+fn nothing_in_view(scene: &Scene) -> String {
+    let point = |p: glam::DVec3| format!("({:.4}, {:.4}, {:.4})", p.x, p.y, p.z);
+    let bounds = scene.bounds();
+    let camera = &scene.camera;
+    let lies = match bounds.min.is_finite() && bounds.max.is_finite() {
+        true => format!("it lies from {} to {}", point(bounds.min), point(bounds.max)),
+        false => "its triangles are given in pixels, or have no area".to_owned(),
+    };
+    format!(
+        "nothing is in view: {lies}; the camera is at {} and looks to {}, from {} to {} ahead",
+        point(camera.eye),
+        point(camera.target),
+        camera.near,
+        camera.far
+    )
 }
 
 /// Everything that an interleaving and its result depend on, so that a schedule is not replayed on something else: the
