@@ -54,11 +54,7 @@ impl Reader {
             }
             "f" | "fo" => return self.face(line, rest),
             "usemtl" => self.material(rest),
-            "mtllib" => {
-                if !rest.is_empty() && self.libraries.insert(rest.to_owned()) {
-                    self.said.libraries.push(rest.to_owned());
-                }
-            }
+            "mtllib" => self.library(rest),
             "o" | "g" => self.begin(self.group.material),
             "l" => left_out("lines are not drawn"),
             "p" => left_out("points are not drawn"),
@@ -66,6 +62,13 @@ impl Reader {
             _ => {}
         }
         Ok(())
+    }
+
+    /// A line that names libraries, each line once.
+    fn library(&mut self, names: &str) {
+        if !names.is_empty() && self.libraries.insert(names.to_owned()) {
+            self.said.libraries.push(names.to_owned());
+        }
     }
 
     /// The groups with faces, and the rest.
