@@ -2,7 +2,7 @@
 
 use fragloom::gpu::check::compare::{Differences, compare};
 use fragloom::gpu::check::crosscheck::{self, Options, Path, Status};
-use fragloom::gpu::twin::band::Picture;
+use fragloom::gpu::twin::picture::Picture;
 use fragloom::gpu::twin::program::Program;
 use fragloom::gpu::twin::resolve::{Downloaded, resolve};
 use fragloom::gpu::twin::shape::{Shape, constants};

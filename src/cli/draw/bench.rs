@@ -312,7 +312,7 @@ mod devices {
     use crate::gpu::check::open::Opened;
     use crate::gpu::check::race::Contender;
     use crate::gpu::driver::failure::Failure;
-    use crate::gpu::twin::band::Picture;
+    use crate::gpu::twin::picture::Picture;
 
     pub(in crate::cli) fn rows(
         args: &Args,

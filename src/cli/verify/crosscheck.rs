@@ -14,7 +14,7 @@ use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
 use crate::gpu::check::open;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Failure;
-use crate::gpu::twin::band::Picture;
+use crate::gpu::twin::picture::Picture;
 use crate::gpu::twin::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};

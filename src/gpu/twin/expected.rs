@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::band::Picture;
 use super::light;
 use super::merged::Promised;
+use super::picture::Picture;
 use crate::exec::Method;
 use crate::exec::promise::Promise;
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};

@@ -6,6 +6,7 @@ pub mod bounds;
 pub mod expected;
 pub mod light;
 pub mod merged;
+pub mod picture;
 pub mod program;
 pub mod raster;
 pub mod resolve;
