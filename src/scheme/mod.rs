@@ -32,12 +32,14 @@ pub mod merging;
 pub mod parts;
 pub mod peeling;
 pub mod program;
+pub mod record;
 pub mod task;
 
 use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
-pub use held::{Depth, Held, HeldKind, Holds, Keys, Light, Record, Records, Single, Whole};
+pub use held::{Depth, Held, HeldKind, Holds, Keys, Light};
+pub use record::{Record, Records, Single, Whole};
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};

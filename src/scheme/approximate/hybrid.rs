@@ -4,7 +4,7 @@
 //! c̄ = ΣC / Σα and ᾱ = Σα / m over the m fragments of the tail, and `T_tail` = (1 - ᾱ)^m. Pixel: core + `T_core` (c̄ (1 -
 //! `T_tail`) + `T_tail` B). With k for all fragments it is the exact picture.
 //!
-//! One pass. The core is a k+-buffer under a spin lock (see `kplus_array`); what it culls or evicts goes into the tail's
+//! One pass. The core is a k+-buffer under a spin lock ([`locked_row`]); what it culls or evicts goes into the tail's
 //! sums. Which fragments that is does not depend on arrival, and the sums are exact integers: of bytes, C = α c. There
 //! is room for 2^24 fragments.
 //!
@@ -18,11 +18,11 @@ use std::marker::PhantomData;
 use super::passing::Passing;
 use super::{alpha, approximate, arrivals, premultiplied};
 use crate::fragment::{Fragment, data_of, pair_key};
-use crate::memory::{Access, At, Atomic, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{At, Atomic, Inputs, Layout, Memory, Order, Pixel, Plain, Words};
 use crate::num::ray::Ray;
 use crate::scheme::contract::{Dependence, Form, Limit};
-use crate::scheme::parts::lock::{self, FREE, SpinLock};
-use crate::scheme::parts::max_array::{append, replace};
+use crate::scheme::parts::lock::{self, SpinLock};
+use crate::scheme::parts::locked_row::{self, Row};
 use crate::scheme::parts::slots::{OfPixel, entry};
 use crate::scheme::{Config, Contract, Light, Outcome, Scheme};
 
@@ -135,44 +135,12 @@ impl<V: Variant> Scheme for Hybrid<V> {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (pixel, new) = (fragment.pixel, fragment.key());
+        let pixel = fragment.pixel;
         let (slots, counter) = (self.slots(pixel), self.counter.at(pixel, 0));
-        // What the core has no room for.
-        let mut gone = None;
-        let insert = mem.block();
-        'insert: {
-            let test = mem.block();
-            if mem.load(counter, Order::Acquire).await == self.k
-                && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
-            {
-                gone = Some(new);
-                break 'insert;
-            }
-            mem.merge(test).await;
-            let _attempts = mem.block();
-            let mark = mem.mark();
-            loop {
-                let attempt = mem.block();
-                if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
-                    let count = mem.load(counter, Order::Relaxed).await;
-                    if count < self.k {
-                        append::<_, _, Self>(mem, slots, count, new).await;
-                        mem.store(counter, count + 1, Order::Release).await;
-                    } else {
-                        let farthest = pair_key(entry(mem, slots, 0).await);
-                        gone = Some(new.max(farthest));
-                        if new < farthest {
-                            replace::<_, _, Self>(mem, slots, self.k, new).await;
-                        }
-                    }
-                    self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
-                    break 'insert;
-                }
-                mem.merge(attempt).await;
-                mem.spin(mark).await;
-            }
-        }
-        mem.merge(insert).await;
+        let row = Row { slots, k: self.k, heap: false, lock: self.lock, counter };
+        let insertion = mem.block();
+        let gone = locked_row::insert::<_, _, Self>(mem, row, fragment).await;
+        mem.merge(insertion).await;
         let Some(gone) = gone else { return Outcome::Kept };
         if V::TAIL == Tail::Blended {
             blend(mem, self.tail.at(pixel, 0), data_of(gone)).await;

@@ -279,7 +279,8 @@ impl<V: Variant> Scheme for KVariable<V> {
         let heap = crowded && k > ARRAY_UP_TO;
         let counter = self.counter.at(pixel, 0);
         let row = Row { slots, k, heap, lock: self.lock, counter };
-        locked_row::insert::<_, _, Self>(mem, row, fragment).await
+        let gone = locked_row::insert::<_, _, Self>(mem, row, fragment).await;
+        locked_row::outcome(fragment, gone)
     }
 
     /// Ranges end where the records do.

@@ -172,7 +172,8 @@ impl<V: Variant> Scheme for KPlusSb<V> {
         let heap = crowded && self.k > V::ARRAY_UP_TO;
         let counter = self.counter.at(fragment.pixel, 0);
         let row = Row { slots, k: self.k, heap, lock: self.lock, counter };
-        locked_row::insert::<_, _, Self>(mem, row, fragment).await
+        let gone = locked_row::insert::<_, _, Self>(mem, row, fragment).await;
+        locked_row::outcome(fragment, gone)
     }
 
     /// A count that allocates more than min(f, k) records is not exact memory.

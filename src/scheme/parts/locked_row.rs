@@ -26,20 +26,21 @@ pub struct Row<S> {
     pub counter: At<Pixel, Atomic, u32>,
 }
 
-/// Store a fragment in its pixel's row, unless k nearer ones are there.
+/// Store a fragment in its pixel's row. Gives the key that has no room then, if there is one: the fragment's own, where k
+/// nearer ones are there, or that of the record which it has displaced.
 #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
 pub async fn insert<M: Memory, S: Slots, Caller>(
     mem: &M,
     row: Row<S>,
     fragment: Fragment,
-) -> Outcome {
+) -> Option<u64> {
     let Row { slots, k, heap, lock, counter } = row;
     let new = fragment.key();
     let test = mem.block();
     if mem.load(counter, Order::Acquire).await == k
         && fragment.depth > mem.load(slots.depth(0), Order::Relaxed).await
     {
-        return Outcome::Culled;
+        return Some(new);
     }
     mem.merge(test).await;
     let _attempts = mem.block();
@@ -48,7 +49,7 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
         let attempt = mem.block();
         if lock.try_acquire(mem, fragment.pixel, Order::Acquire).await == FREE {
             let count = mem.load(counter, Order::Relaxed).await;
-            let mut outcome = Outcome::Culled;
+            let mut gone = None;
             if count < k {
                 if heap {
                     max_heap::append::<_, _, Caller>(mem, slots, count, new).await;
@@ -56,19 +57,30 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
                     max_array::append::<_, _, Caller>(mem, slots, count, new).await;
                 }
                 mem.store(counter, count + 1, Order::Release).await;
-                outcome = Outcome::Kept;
-            } else if new < pair_key(entry(mem, slots, 0).await) {
-                if heap {
+            } else {
+                let farthest = pair_key(entry(mem, slots, 0).await);
+                gone = Some(new.max(farthest));
+                if new < farthest && heap {
                     max_heap::replace::<_, _, Caller>(mem, slots, k, new).await;
-                } else {
+                } else if new < farthest {
                     max_array::replace::<_, _, Caller>(mem, slots, k, new).await;
                 }
-                outcome = Outcome::Evicted;
             }
             lock.release(mem, fragment.pixel, Access::Atomic(Order::Release)).await;
-            return outcome;
+            return gone;
         }
         mem.merge(attempt).await;
         mem.spin(mark).await;
+    }
+}
+
+/// What became of a fragment, by what [`insert`] gave for it.
+#[inline]
+#[must_use]
+pub fn outcome(fragment: Fragment, gone: Option<u64>) -> Outcome {
+    match gone {
+        None => Outcome::Kept,
+        Some(key) if key == fragment.key() => Outcome::Culled,
+        Some(_) => Outcome::Evicted,
     }
 }

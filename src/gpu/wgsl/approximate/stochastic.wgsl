@@ -53,7 +53,7 @@ fn add_passing(pixel: u32, alpha: u32) {
     }
     let term = number_of(alpha);
     let old = atomicAdd(&pixels[pixel].passing[0], term.x);
-    // Whoever wraps the lower word carries into the upper one, so that their sum is right in the end.
+    // An addition that wraps the lower word adds 1 to the upper one. The order does not matter: in the end, the sum is right.
     let upper = term.y + u32(old + term.x < old);
     if upper > 0u {
         atomicAdd(&pixels[pixel].passing[1], upper);

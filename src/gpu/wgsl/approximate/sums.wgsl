@@ -1,5 +1,5 @@
-// Sums of 64 bits: two 32-bit words with a carry. Whoever wraps the lower word carries into the upper one, so that in
-// the end a sum is right, whatever the order; in between, the words need not fit together.
+// Sums of 64 bits: two 32-bit words with a carry. An addition that wraps the lower word adds 1 to the upper one. The order
+// of additions does not matter: in the end, a sum is right. Before that, its two words need not belong together.
 
 //# include shared/wide
 //# include shared/emit

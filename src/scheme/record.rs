@@ -1,0 +1,284 @@
+//! Merged records: what one fragment, or several, contribute along the ray. What nothing was merged with is kept in few
+//! bytes, and spelt out where somebody looks at it.
+
+use std::cmp::Ordering;
+
+use crate::fragment::{data_of, depth_of};
+
+/// What one fragment, or several merged ones, contribute along the ray. Two are equal if their bits are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Record {
+    /// The depth word of its far end, in the run's format.
+    pub depth: u32,
+    /// How far it reaches from there towards the eye, in world units; 0 for a surface.
+    pub thickness: f64,
+    /// Red, green and blue, linear and multiplied by the opacity, and the opacity: all 0 to 1.
+    pub rgba: [f64; 4],
+    /// How many fragments it stands for; of a fragment that was divided, its share.
+    pub weight: f64,
+}
+
+/// A record of one fragment of any thickness, in few bytes. Two are equal if their bits are.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole {
+    key: u64,
+    thickness: f64,
+}
+
+/// A record of one fragment, in few bytes: its key with the colour word, and its thickness if it may have one. In their
+/// own order, these are in the canonical order of their records.
+pub trait Single: Copy + Ord {
+    /// It may have a thickness.
+    const THICK: bool;
+
+    /// Its depth and colour word.
+    fn key(self) -> u64;
+
+    /// As of [`Record`].
+    fn thickness(self) -> f64;
+
+    /// Spelt out.
+    #[inline]
+    fn record(self) -> Record {
+        Record { thickness: self.thickness(), ..Record::of_key(self.key()) }
+    }
+}
+
+/// A pixel's merged records.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Records {
+    /// In any order.
+    pub list: Vec<Record>,
+    /// More of them, in any order: surfaces of one fragment each, as keys with colour words. They are cheaper to sort,
+    /// to composite and to keep.
+    pub surfaces: Vec<u64>,
+    /// More of them, in any order: what is one fragment and no surface.
+    pub wholes: Vec<Whole>,
+    /// Fragments that went into another record during resolve: those that no store invocation has reported as
+    /// [`Outcome::Merged`](super::Outcome).
+    pub merged: u32,
+}
+
+impl Records {
+    /// Records of a list alone.
+    #[must_use]
+    pub fn of(list: Vec<Record>, merged: u32) -> Self {
+        Self { list, merged, ..Self::default() }
+    }
+
+    /// Let all that are one fragment be of one kind.
+    pub fn unite(&mut self) {
+        self.wholes.extend(self.surfaces.drain(..).map(|key| Whole::new(key, 0.0)));
+    }
+
+    /// Forget all of them, and keep the capacity.
+    pub fn clear(&mut self) {
+        self.list.clear();
+        self.surfaces.clear();
+        self.wholes.clear();
+        self.merged = 0;
+    }
+
+    /// Add others.
+    pub fn append(&mut self, mut more: Self) {
+        self.list.append(&mut more.list);
+        self.surfaces.append(&mut more.surfaces);
+        self.wholes.append(&mut more.wholes);
+        self.merged += more.merged;
+    }
+
+    /// How many there are.
+    #[inline]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.list.len() + self.surfaces.len() + self.wholes.len()
+    }
+
+    /// There is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All of them, in any order.
+    pub fn spelt_out(&self) -> impl Iterator<Item = Record> + '_ {
+        let surfaces = self.surfaces.iter().map(|key| key.record());
+        let wholes = self.wholes.iter().map(|whole| whole.record());
+        self.list.iter().copied().chain(surfaces).chain(wholes)
+    }
+
+    /// Put all of them into the list, in canonical order.
+    pub fn sort(&mut self) {
+        self.list.extend(self.surfaces.drain(..).map(Single::record));
+        self.list.extend(self.wholes.drain(..).map(Single::record));
+        self.list.sort_unstable();
+    }
+}
+
+impl Whole {
+    /// One fragment: a key with a colour word, and its thickness.
+    #[inline]
+    #[must_use]
+    pub fn new(key: u64, thickness: f64) -> Self {
+        // What cannot be seen has no colour, so that keys compare as records do.
+        let color = if data_of(key) >> 24 == 0 { 0 } else { u64::from(u32::MAX) };
+        Self { key: key & (u64::from(u32::MAX) << 32 | color), thickness }
+    }
+
+    fn bits(&self) -> [u64; 2] {
+        [self.key, self.thickness.to_bits()]
+    }
+
+    #[inline]
+    fn order(&self, other: &Self) -> Ordering {
+        self.key.cmp(&other.key).then_with(|| self.bits().cmp(&other.bits()))
+    }
+}
+
+impl Single for Whole {
+    const THICK: bool = true;
+
+    #[inline]
+    fn key(self) -> u64 {
+        self.key
+    }
+
+    #[inline]
+    fn thickness(self) -> f64 {
+        self.thickness
+    }
+}
+
+/// A surface.
+impl Single for u64 {
+    const THICK: bool = false;
+
+    #[inline]
+    fn key(self) -> u64 {
+        self
+    }
+
+    #[inline]
+    fn thickness(self) -> f64 {
+        0.0
+    }
+}
+
+impl Record {
+    fn bits(&self) -> [u64; 7] {
+        let [r, g, b, a] = self.rgba.map(f64::to_bits);
+        [self.depth.into(), self.thickness.to_bits(), r, g, b, a, self.weight.to_bits()]
+    }
+
+    /// By depth. Surfaces of one depth have the canonical order of their fragments: by colour word.
+    #[inline]
+    fn order(&self, other: &Self) -> Ordering {
+        self.depth.cmp(&other.depth).then_with(|| {
+            self.color().cmp(&other.color()).then_with(|| self.bits().cmp(&other.bits()))
+        })
+    }
+
+    /// One fragment as a surface: a stored depth and a colour word (RGBA8).
+    #[inline]
+    #[must_use]
+    pub fn surface(depth: u32, color: u32) -> Self {
+        let [r, g, b, a] = color.to_le_bytes();
+        let alpha = f64::from(a);
+        let premultiplied = |c: u8| alpha * f64::from(c) / 65_025.0;
+        let rgba = [premultiplied(r), premultiplied(g), premultiplied(b), alpha / 255.0];
+        Self { depth, thickness: 0.0, rgba, weight: 1.0 }
+    }
+
+    /// One fragment as a surface: a key with a colour word.
+    #[inline]
+    #[must_use]
+    pub fn of_key(key: u64) -> Self {
+        Self::surface(depth_of(key), data_of(key))
+    }
+
+    /// Its colour as a straight-alpha RGBA8 word, rounded.
+    #[must_use]
+    pub fn color(&self) -> u32 {
+        let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let [r, g, b, a] = self.rgba;
+        let straight = |c: f64| if a > 0.0 { byte(c / a) } else { 0 };
+        u32::from_le_bytes([straight(r), straight(g), straight(b), byte(a)])
+    }
+}
+
+/// Two values are equal, and in order, by what their `bits` and `order` say.
+macro_rules! compared_by_bits {
+    ($($type:ty)*) => {$(
+        impl PartialEq for $type {
+            fn eq(&self, other: &Self) -> bool {
+                self.bits() == other.bits()
+            }
+        }
+
+        impl Eq for $type {}
+
+        impl PartialOrd for $type {
+            fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+                Some(self.cmp(other))
+            }
+        }
+
+        impl Ord for $type {
+            fn cmp(&self, other: &Self) -> Ordering {
+                self.order(other)
+            }
+        }
+
+        impl std::hash::Hash for $type {
+            fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+                self.bits().hash(state);
+            }
+        }
+    )*};
+}
+
+pub(super) use compared_by_bits;
+
+compared_by_bits! { Record Whole }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fragment::key;
+    use crate::scheme::Holds;
+
+    #[test]
+    fn a_colour_word_comes_back_from_a_surface() {
+        for word in [0xFF01_80FF, 0x8000_FF01, 0x01FF_FFFF, 0x0000_0000, 0xFFFF_FFFF] {
+            assert_eq!(Record::surface(7, word).color(), word, "{word:x}");
+        }
+    }
+
+    #[test]
+    fn surfaces_are_records_of_the_list_once_sorted() {
+        let (near, far) = (key(3, 0x8000_FF01), key(5, 0xFF01_80FF));
+        let list = vec![Record { weight: 2.0, ..Record::surface(4, 0x8000_FF01) }];
+        let records = Records { surfaces: vec![far, near], ..Records::of(list.clone(), 1) };
+        let mut held = records.into_held();
+        assert_eq!(held.len(), 3);
+        held.sort();
+        let sorted = vec![Record::of_key(near), list[0], Record::of_key(far)];
+        assert_eq!(held, Records::of(sorted, 1).into_held());
+    }
+
+    /// What has the same key, and what cannot be seen, included.
+    #[test]
+    fn single_fragments_have_the_order_of_their_records() {
+        let words = [0x8000_FF01, 0xFF01_80FF, 0x00FF_0000, 0x0000_00FF, 0];
+        let all = [3, 4].into_iter().flat_map(|depth| words.map(|word| key(depth, word)));
+        let wholes = all.flat_map(|key| [0.5, 0.0, 0.25].map(|t| Whole::new(key, t)));
+        let mut records =
+            Records { wholes: wholes.collect(), surfaces: vec![key(3, 255)], ..Records::default() };
+        let mut spelt_out = records.clone();
+        spelt_out.sort();
+        records.unite();
+        records.wholes.sort_unstable();
+        let found: Vec<Record> = records.wholes.iter().map(|whole| whole.record()).collect();
+        assert_eq!((found, spelt_out.wholes.len()), (spelt_out.list, 0));
+    }
+}
