@@ -347,6 +347,11 @@ fn pixels_that_are_no_number_are_counted() {
     let found = lights.iter().filter(|light| light.color.iter().any(|c| c.is_nan())).count();
     println!("{found} pixels are no number");
     assert_eq!(published.report.nan_pixels, Some(found as u64));
+    // Two pixels more, one of them in its last channel alone.
+    let Kept::Color(mut lights) = drawn("mbt").kept else { panic!("colours") };
+    lights[0].color = [f64::NAN; 3];
+    lights[5].color[2] = f64::NAN;
+    assert_eq!(Kept::Color(lights).nan_pixels(), Some(2));
     assert_eq!(drawn("mbt").report.nan_pixels, Some(0));
     assert_eq!(drawn("kplus-array").report.nan_pixels, None);
 }
