@@ -10,7 +10,7 @@ pub use raster::raster;
 
 use fragloom::error::{Error, Result};
 use fragloom::scene::volume::{self, Grid, Interpolation};
-use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply};
+use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply, stl};
 
 /// An OBJ file up to the first zero byte, with the rest as its material library.
 pub fn obj(bytes: &[u8]) {
@@ -28,6 +28,11 @@ pub fn gltf(bytes: &[u8]) {
 /// A PLY file.
 pub fn ply(bytes: &[u8]) {
     check_model(ply::parse(bytes, "fuzz"));
+}
+
+/// An STL file, binary or text.
+pub fn stl(bytes: &[u8]) {
+    check_model(stl::parse(bytes, "fuzz"));
 }
 
 /// A PCD file.

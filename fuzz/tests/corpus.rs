@@ -5,10 +5,11 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 8] = [
+    let targets: [(&str, fn(&[u8])); 9] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
+        ("stl", fragloom_fuzz::stl),
         ("pcd", fragloom_fuzz::pcd),
         ("toml", fragloom_fuzz::toml),
         ("npy", fragloom_fuzz::npy),
