@@ -33,9 +33,21 @@ pub fn encode(image: &Image) -> Result<Vec<u8>, EncodingError> {
 /// # Errors
 /// What is wrong with it: no PNG, cut off, 16 bits per channel, or an edge above `most` pixels.
 pub fn decode(file: impl BufRead + Seek, most: u32) -> Result<Image, String> {
+    read(file, most, Transformations::EXPAND)
+}
+
+/// As [`decode`], but of 16 bits per channel, the upper 8 are taken.
+///
+/// # Errors
+/// What is wrong with it: no PNG, cut off, or an edge above `most` pixels.
+pub fn decode_any(file: impl BufRead + Seek, most: u32) -> Result<Image, String> {
+    read(file, most, Transformations::EXPAND | Transformations::STRIP_16)
+}
+
+fn read(file: impl BufRead + Seek, most: u32, how: Transformations) -> Result<Image, String> {
     let broken = |error: png::DecodingError| format!("must be a PNG picture ({error})");
     let mut decoder = Decoder::new(file);
-    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_transformations(how);
     let mut reader = decoder.read_info().map_err(broken)?;
     let (width, height) = (reader.info().width, reader.info().height);
     if width > most || height > most {
@@ -106,6 +118,8 @@ mod tests {
         }
         let deep = foreign(Grayscale, Sixteen, &[1, 2, 3, 4], &[]);
         assert!(read(&deep).unwrap_err().contains("16 bits"));
+        let upper = decode_any(Cursor::new(&deep), 64).unwrap();
+        assert_eq!(upper.pixels, [[1, 1, 1, 255], [3, 3, 3, 255]]);
     }
 
     #[test]

@@ -88,11 +88,7 @@ impl FrontEnd {
             (Data::Color, Surface::Uniform(word), _) => {
                 self.emit(packet, record.depth, first_pixel, batch, |_, _, _| *word);
             }
-            (
-                Data::Color,
-                surface @ (Surface::Varying(_) | Surface::Even(_) | Surface::Fading(_)),
-                None,
-            ) => {
+            (Data::Color, surface, None) => {
                 self.emit(packet, record.depth, first_pixel, batch, |x, y, _| surface.at(x, y));
             }
             (Data::Color, surface, Some(light)) => {

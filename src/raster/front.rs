@@ -11,7 +11,7 @@ use super::place::Placed;
 use super::primitive::{Primitive, Rect, Setup};
 use super::shade::{Attenuation, Seen, Surface};
 use super::slab::Slabs;
-use crate::fragment::Packet;
+use crate::fragment::{BLOCK, Packet};
 use crate::num::color;
 use crate::num::planes::Planes;
 use crate::scene::{Disc, Scene, ScreenTriangle};
@@ -63,6 +63,8 @@ pub struct FrontEnd {
     pub degenerate: u64,
     primitives: Vec<Primitive>,
     surfaces: Vec<Surface>,
+    /// Whether any surface is masked.
+    masked: bool,
     /// By primitive: whether its back is seen. Kept apart, since few runs need it.
     backs: Vec<bool>,
     /// By primitive: its corners, if requested.
@@ -220,6 +222,7 @@ impl FrontEnd {
             triangles,
             degenerate,
             primitives,
+            masked: surfaces.iter().any(Surface::is_masked),
             surfaces,
             backs,
             outlines,
@@ -286,10 +289,24 @@ impl FrontEnd {
     /// Call `emit` for every packet of one primitive inside `window`, row by row.
     #[inline]
     pub fn primitive_packets(&self, index: u32, window: Rect, mut emit: impl FnMut(Packet)) {
-        self.primitives[index as usize].blocks(window, |x, y, mask| {
+        let primitive = &self.primitives[index as usize];
+        let masked = self.masked.then(|| self.surface(primitive)).filter(|s| s.is_masked());
+        primitive.blocks(window, |x, y, mut mask| {
+            if let Some(surface) = masked {
+                mask = left(surface, [x, y], mask);
+                if mask == 0 {
+                    return;
+                }
+            }
             let (column, row) = ((x / 8) as u16, (y / 8) as u16);
             emit(Packet { primitive: index, column, row, mask });
         });
+    }
+
+    /// Whether some primitives are not there at all pixels that they cover.
+    #[must_use]
+    pub fn is_masked(&self) -> bool {
+        self.masked
     }
 
     /// Fragments of each tile in one geometry pass, without generating them.
@@ -326,6 +343,20 @@ impl FrontEnd {
     pub fn max_depth_complexity(&self) -> u32 {
         self.depth_complexity().len() as u32 - 1
     }
+}
+
+/// What a mask leaves of a block's pixels, the first of which is `from`.
+fn left(surface: &Surface, from: [u32; 2], mask: u64) -> u64 {
+    let mut left = mask;
+    let mut bits = mask;
+    while bits != 0 {
+        let bit = bits.trailing_zeros();
+        bits &= bits - 1;
+        if surface.is_cut(from[0] + bit % BLOCK, from[1] + bit / BLOCK) {
+            left &= !(1 << bit);
+        }
+    }
+    left
 }
 
 /// Part of a scene, set up by one thread.

@@ -68,7 +68,9 @@ impl<'a> Placed<'a> {
         let normals = (!self.normals.is_empty()).then(|| at.map(|i| self.normals[i]));
         let colors = (!self.mesh.colors.is_empty()).then(|| at.map(|i| self.mesh.colors[i]));
         let alphas = (!self.mesh.alphas.is_empty()).then(|| at.map(|i| self.mesh.alphas[i]));
-        Some(Corners { clip, face_normal, normals, colors, alphas })
+        let textured = self.material.texture.is_some() && !self.mesh.places.is_empty();
+        let places = textured.then(|| at.map(|i| self.mesh.places[i]));
+        Some(Corners { clip, face_normal, normals, colors, alphas, places })
     }
 
     /// The surface of a triangle, as it is seen.

@@ -14,6 +14,10 @@
 //! n is the normalised interpolated normal, or the face's where there is none, turned to the viewer's side; n.l and
 //! n.n are (x x' + y y') + z z'. The opacity is the material's times the interpolated one of the corners. A surface whose colour does not vary over it is shaded once, at set-up.
 //!
+//! A picture on a surface multiplies its colour and its opacity ([`crate::scene::texture`]), at the interpolated place.
+//! If it is a mask, what is less opaque than its cutoff is not there ([`Surface::is_cut`]): the front end leaves it out
+//! of the coverage, so that no method, and no count, ever sees it.
+//!
 //! A disc has one colour and one normal. Where its opacity falls off, at a point (u, v) in half axes from its centre it
 //! is the disc's times exp(-((u u + v v) (s s)) / 2), with s the standard deviations from centre to rim. u and v are
 //! perspective-correct: of the weights of the centre and the ends of both axes, not clamped, u = w1 / ((w0 + w1) + w2)
@@ -30,7 +34,8 @@ use super::clip::Viewport;
 use super::disc::Lying;
 use super::primitive::Rect;
 use crate::num::color;
-use crate::scene::{Disc, Light, Material, Shading};
+use crate::scene::texture::Opacity;
+use crate::scene::{Disc, Light, Material, Shading, Texture};
 
 /// Three f32 lanes, added and multiplied in the written order.
 type Rgb = [f32; 3];
@@ -42,6 +47,8 @@ pub enum Surface {
     Uniform(u32),
     /// Evaluated per fragment.
     Varying(Box<Varying>),
+    /// The same, with a picture.
+    Pictured(Box<Pictured>),
     /// One colour and one normal, but light that is attenuated from pixel to pixel.
     Even(Box<Even>),
     /// The same, with an opacity that falls off from the centre.
@@ -122,6 +129,15 @@ pub struct Varying {
     light: Lighting,
 }
 
+/// A surface with a picture on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pictured {
+    under: Varying,
+    texture: Texture,
+    /// Of the corners.
+    places: [[f32; 2]; 3],
+}
+
 /// The light in f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lighting {
@@ -148,6 +164,8 @@ pub struct Corners {
     pub colors: Option<[Rgb; 3]>,
     /// Vertex opacities, if the mesh has them.
     pub alphas: Option<[f32; 3]>,
+    /// Places in the material's picture, if there is one.
+    pub places: Option<[[f32; 2]; 3]>,
 }
 
 /// How a triangle is seen.
@@ -177,12 +195,13 @@ impl Surface {
         let tint = |c: Rgb| std::array::from_fn(|i| c[i] * material.color[i]);
         let lit = material.shading != Shading::Flat;
         let varies = corners.normals.is_some() && (lit || normals);
-        if corners.colors.is_none() && corners.alphas.is_none() && !varies {
+        let picture = corners.places.zip(material.texture.as_ref());
+        if corners.colors.is_none() && corners.alphas.is_none() && picture.is_none() && !varies {
             let Material { color, alpha, shading, .. } = *material;
             let even = Even { color, normal: face_normal, alpha, shading, light };
             return Self::even(even, (attenuated && lit) || normals);
         }
-        Self::Varying(Box::new(Varying {
+        let under = Varying {
             origin: [bounds.x0, bounds.y0],
             weights: weights(&corners.clip, viewport, bounds),
             normals: corners.normals.map_or([face_normal; 3], |n| n.map(|n| n.map(|c| c * sign))),
@@ -192,7 +211,13 @@ impl Surface {
             alphas: corners.alphas,
             shading: material.shading,
             light,
-        }))
+        };
+        match picture {
+            Some((places, texture)) => {
+                Self::Pictured(Box::new(Pictured { under, texture: texture.clone(), places }))
+            }
+            None => Self::Varying(Box::new(under)),
+        }
     }
 
     /// Of a disc.
@@ -238,6 +263,7 @@ impl Surface {
         match self {
             Self::Uniform(word) => *word,
             Self::Varying(varying) => varying.at(x, y, ALL),
+            Self::Pictured(pictured) => pictured.at(x, y, ALL),
             Self::Even(even) => even.at(ALL),
             Self::Fading(fading) => fading.at(x, y, ALL),
         }
@@ -249,8 +275,27 @@ impl Surface {
         match self {
             Self::Uniform(_) => None,
             Self::Varying(varying) => Some(varying.normal(varying.parts(x, y))),
+            Self::Pictured(pictured) => Some(pictured.under.normal(pictured.under.parts(x, y))),
             Self::Even(even) => Some(even.normal),
             Self::Fading(fading) => Some(fading.even.normal),
+        }
+    }
+
+    /// Whether parts of it are not there.
+    #[must_use]
+    pub fn is_masked(&self) -> bool {
+        match self {
+            Self::Pictured(pictured) => matches!(pictured.texture.opacity, Opacity::Mask { .. }),
+            _ => false,
+        }
+    }
+
+    /// Whether it is not there at pixel (x, y): its picture is a mask, and it is less opaque there than is drawn.
+    #[must_use]
+    pub fn is_cut(&self, x: u32, y: u32) -> bool {
+        match self {
+            Self::Pictured(pictured) => pictured.is_cut(x, y),
+            _ => false,
         }
     }
 
@@ -261,6 +306,7 @@ impl Surface {
         match self {
             Self::Uniform(word) => *word,
             Self::Varying(varying) => varying.at(x, y, reaches),
+            Self::Pictured(pictured) => pictured.at(x, y, reaches),
             Self::Even(even) => even.at(reaches),
             Self::Fading(fading) => fading.at(x, y, reaches),
         }
@@ -274,7 +320,12 @@ impl Varying {
         let parts = self.parts(x, y);
         let color = blend(parts, &self.colors);
         let rgb = self.light.shade(self.shading, color, self.normal(parts), reaches);
-        color::rgba8(rgb, self.alphas.map_or(self.alpha, |a| self.alpha * mixed(parts, a)))
+        color::rgba8(rgb, self.opacity(parts))
+    }
+
+    #[inline(always)]
+    fn opacity(&self, parts: [f32; 3]) -> f32 {
+        self.alphas.map_or(self.alpha, |a| self.alpha * mixed(parts, a))
     }
 
     /// How much of each corner there is at pixel (x, y); the sum is 1.
@@ -290,6 +341,40 @@ impl Varying {
     #[inline(always)]
     fn normal(&self, parts: [f32; 3]) -> Rgb {
         normalized(blend(parts, &self.normals)).unwrap_or(self.face_normal)
+    }
+}
+
+impl Pictured {
+    fn at(&self, x: u32, y: u32, reaches: Rgb) -> u32 {
+        let under = &self.under;
+        let parts = under.parts(x, y);
+        let [r, g, b, alpha] = self.texel(parts);
+        let color = blend(parts, &under.colors);
+        let color = [color[0] * r, color[1] * g, color[2] * b];
+        let rgb = under.light.shade(under.shading, color, under.normal(parts), reaches);
+        let opacity = match self.texture.opacity {
+            Opacity::Blend => under.opacity(parts) * alpha,
+            Opacity::Mask { .. } | Opacity::Opaque => under.alpha,
+        };
+        color::rgba8(rgb, opacity)
+    }
+
+    fn is_cut(&self, x: u32, y: u32) -> bool {
+        let Opacity::Mask { alpha, cutoff } = self.texture.opacity else { return false };
+        let parts = self.under.parts(x, y);
+        // Where all corners have one opacity, it is that one, so that what equals the cutoff is kept.
+        let own = match self.under.alphas {
+            Some([a, b, c]) if a == b && b == c => a,
+            Some(alphas) => mixed(parts, alphas),
+            None => 1.0,
+        };
+        alpha * own * self.texel(parts)[3] < cutoff
+    }
+
+    #[inline]
+    fn texel(&self, parts: [f32; 3]) -> [f32; 4] {
+        let [p, q, r] = self.places;
+        self.texture.at([0, 1].map(|i| mixed(parts, [p[i], q[i], r[i]])))
     }
 }
 
@@ -377,7 +462,7 @@ mod tests {
     const VIEWPORT: Viewport = Viewport { width: 8, height: 8, sub_pixel_bits: 8 };
 
     fn material(shading: Shading) -> Material {
-        Material { name: String::new(), color: [1.0; 3], alpha: 1.0, shading }
+        Material { shading, ..Material::new("", [1.0; 3], 1.0) }
     }
 
     /// A colour ramp 0 to 1 from left (near, w = 1) to right (far, w = 4): half the pixels, a fifth of the ramp.
@@ -391,6 +476,7 @@ mod tests {
             normals: None,
             colors: Some([[0.0; 3], [0.0; 3], [1.0; 3]]),
             alphas: None,
+            places: None,
         };
         let light = Lighting { towards: [0.0, 0.0, 1.0], ambient: 0.0 };
         let bounds = Rect { x0: 0, y0: 0, x1: 8, y1: 8 };

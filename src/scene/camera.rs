@@ -16,13 +16,22 @@ use crate::num::planes::Planes;
 pub const FOV_Y: f64 = 40.0;
 
 /// From the scene's middle towards the default eye: a three-quarter view from slightly above.
-const VIEW_FROM: DVec3 = DVec3::new(0.55, 0.4, 1.0);
+pub(super) const VIEW_FROM: DVec3 = DVec3::new(0.55, 0.4, 1.0);
 
 /// How much room default views leave: distances are larger than necessary by this factor.
 const MARGIN: f64 = 1.05;
 
 /// The share of ambient light where a scene gives none.
 pub const AMBIENT: f32 = 0.2;
+
+/// How a camera that shows all of a scene projects.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Framing {
+    /// With this vertical field of view, in degrees.
+    Perspective(f64),
+    /// With parallel rays.
+    Parallel,
+}
 
 impl Camera {
     /// From world space to the camera's: x right, y up, looking along -z.
@@ -71,19 +80,45 @@ impl Camera {
     /// with near and far planes close around it. A single point is treated as a box of unit size.
     #[must_use]
     pub fn frame(bounds: Bounds, size: [u32; 2]) -> Self {
+        Self::framed(bounds, size, VIEW_FROM, DVec3::Y, Framing::Perspective(FOV_Y))
+    }
+
+    /// The same from another direction: `from` points from the middle towards the eye.
+    pub(super) fn framed(
+        bounds: Bounds,
+        size: [u32; 2],
+        from: DVec3,
+        up: DVec3,
+        framing: Framing,
+    ) -> Self {
         let bounds = bounds.thickened();
         let target = bounds.center();
         let mut camera = Self {
-            eye: target + VIEW_FROM * bounds.diagonal(),
+            eye: target + from * bounds.diagonal(),
             target,
-            up: DVec3::Y,
-            projection: Projection::Perspective { fov_y: FOV_Y },
+            up,
+            projection: Projection::Orthographic { height: 1.0 },
             near: 1.0,
             far: 2.0,
         };
-        let back = camera.axes()[2];
-        let distance = camera.distance_to_fit(bounds, size) * MARGIN;
-        camera.eye = target + back * distance;
+        match framing {
+            Framing::Perspective(fov_y) => {
+                camera.projection = Projection::Perspective { fov_y };
+                let back = camera.axes()[2];
+                let distance = camera.distance_to_fit(bounds, size, fov_y) * MARGIN;
+                camera.eye = target + back * distance;
+            }
+            Framing::Parallel => {
+                let [right, up, _] = camera.axes();
+                let aspect = f64::from(size[0]) / f64::from(size[1]);
+                let reach = |corner: DVec3| {
+                    let offset = corner - target;
+                    (right.dot(offset).abs() / aspect).max(up.dot(offset).abs())
+                };
+                let reach = bounds.corners().into_iter().map(reach).fold(0.0, f64::max);
+                camera.projection = Projection::Orthographic { height: 2.0 * reach * MARGIN };
+            }
+        }
         (camera.near, camera.far) = camera.planes_around(bounds);
         camera
     }
@@ -201,9 +236,9 @@ impl Camera {
     }
 
     /// The smallest distance from the middle of `bounds` at which its box is inside the field of view.
-    fn distance_to_fit(&self, bounds: Bounds, size: [u32; 2]) -> f64 {
+    fn distance_to_fit(&self, bounds: Bounds, size: [u32; 2], fov_y: f64) -> f64 {
         let [right, up, back] = self.axes();
-        let tan_y = half_tangent(FOV_Y);
+        let tan_y = half_tangent(fov_y);
         let tan_x = tan_y * f64::from(size[0]) / f64::from(size[1]);
         let need = |corner: DVec3| {
             let offset = corner - bounds.center();

@@ -68,6 +68,14 @@ pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
     if let Some(i) = mesh.alphas.iter().position(|alpha| !(0.0..=1.0).contains(alpha)) {
         return wrong(format!("vertex {i}: alpha {} is not within 0 to 1", mesh.alphas[i]));
     }
+    if !mesh.places.is_empty() && mesh.places.len() != count {
+        let have = mesh.places.len();
+        return wrong(format!("texture coordinates: {have} of them for {count} vertices"));
+    }
+    if let Some(i) = mesh.places.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        let place = mesh.places[i];
+        return wrong(format!("vertex {i}: texture coordinates {place:?} are not finite"));
+    }
     for (field, values) in [("normal", &mesh.normals), ("color", &mesh.colors)] {
         if !values.is_empty() && values.len() != count {
             return wrong(format!("{field}: {} of them for {count} vertices", values.len()));

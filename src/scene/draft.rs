@@ -5,7 +5,10 @@ use serde::Deserialize;
 
 use super::camera::FOV_Y;
 use super::model::{GREY, Model};
-use super::{Bounds, Camera, Light, Material, PointSize, Projection, Scene, Shading, check};
+use super::{
+    Bounds, Camera, FileFormat, Light, Material, PointSize, Projection, Scene, Shading, Viewpoint,
+    check,
+};
 use crate::error::{Error, Result};
 
 /// Width and height of images where none are given, in pixels.
@@ -15,7 +18,7 @@ pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 pub const DEFAULT_BACKGROUND: [f32; 3] = [1.0; 3];
 
 /// What the command line sets about a scene; it overrides the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Width and height of the image in pixels.
     pub size: Option<[u32; 2]>,
@@ -25,6 +28,10 @@ pub struct Overrides {
     pub shading: Option<Shading>,
     /// The radii of all point sets' points.
     pub points: PointSize,
+    /// What it says of the camera.
+    pub viewpoint: Viewpoint,
+    /// The format of the scene's file; `None` for what its name's ending says.
+    pub format: Option<FileFormat>,
 }
 
 /// The image's size: the option's, or else the file's, or else the default; checked.
@@ -61,7 +68,8 @@ impl Draft {
     pub(super) fn finish(self, overrides: &Overrides) -> Result<Scene> {
         let size = image_size(&self.name, self.size, overrides)?;
         let bounds = self.model.bounds();
-        let camera = View::camera(self.view.as_ref(), bounds, size);
+        let own = self.view.as_ref().map(|view| view.placed(bounds));
+        let camera = overrides.viewpoint.camera(own, &self.model.cameras, bounds, size)?;
         let mut scene = Scene {
             name: self.name,
             size,
@@ -132,22 +140,25 @@ impl View {
     /// The camera that is written, with planes around `bounds` where they are left out, or one that frames
     /// `bounds`.
     pub(super) fn camera(view: Option<&Self>, bounds: Bounds, size: [u32; 2]) -> Camera {
-        let Some(view) = view else { return Camera::frame(bounds, size) };
-        let projection = match view.ortho_height {
+        view.map_or_else(|| Camera::frame(bounds, size), |view| view.placed(bounds))
+    }
+
+    fn placed(&self, bounds: Bounds) -> Camera {
+        let projection = match self.ortho_height {
             Some(height) => Projection::Orthographic { height },
-            None => Projection::Perspective { fov_y: view.fov_y.unwrap_or(FOV_Y) },
+            None => Projection::Perspective { fov_y: self.fov_y.unwrap_or(FOV_Y) },
         };
         let mut camera = Camera {
-            eye: view.eye.into(),
-            target: view.target.into(),
-            up: view.up.map_or(DVec3::Y, DVec3::from),
+            eye: self.eye.into(),
+            target: self.target.into(),
+            up: self.up.map_or(DVec3::Y, DVec3::from),
             projection,
             near: 0.0,
             far: 0.0,
         };
         let (near, far) = camera.planes_around(bounds);
-        camera.near = view.near.unwrap_or(near);
-        camera.far = view.far.unwrap_or(far);
+        camera.near = self.near.unwrap_or(near);
+        camera.far = self.far.unwrap_or(far);
         camera
     }
 }

@@ -21,7 +21,9 @@ pub mod ply;
 pub mod points;
 pub mod procedural;
 pub mod stl;
+pub mod texture;
 mod thickness;
+mod viewpoint;
 pub mod volume;
 
 use std::path::PathBuf;
@@ -33,11 +35,13 @@ use serde::Deserialize;
 pub use self::bounds::Bounds;
 pub use self::camera::{AMBIENT, FOV_Y};
 pub use self::draft::{DEFAULT_BACKGROUND, DEFAULT_SIZE, Overrides};
-pub use self::load::{MESH_ALPHA, builtin, load};
+pub use self::load::{FileFormat, MESH_ALPHA, builtin, load, zipped};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::points::{PointSize, pcd};
 pub use self::procedural::Builtin;
+pub use self::texture::Texture;
 pub use self::thickness::Thickness;
+pub use self::viewpoint::{NamedCamera, Parallel, Side, Viewpoint};
 pub use self::volume::Volume;
 
 /// A whole scene, validated: every number is finite, every index is in range, and there is at least one
@@ -123,6 +127,8 @@ pub struct Material {
     pub alpha: f32,
     /// How light acts on it.
     pub shading: Shading,
+    /// A picture on it, where a mesh says how it lies ([`Mesh::places`]); colour and opacity are multiplied with it.
+    pub texture: Option<Texture>,
 }
 
 /// How light acts on a surface. `raster::shade` states the order of operations.
@@ -164,6 +170,9 @@ pub struct Mesh {
     pub colors: Vec<[f32; 3]>,
     /// Empty, or one opacity per position, 0..1; multiplied with the material's.
     pub alphas: Vec<f32>,
+    /// Empty, or one place in the material's picture per position: (0, 0) is the upper left corner and (1, 1) the lower
+    /// right one. Finite.
+    pub places: Vec<[f32; 2]>,
     /// Each index is below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
     /// Points of a point set; drawn after the triangles.

@@ -1,13 +1,11 @@
 //! What a file or a generator contributes to a scene, before there is a camera.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::DMat4;
 
 use super::volume::{self, Volume};
-use super::{Bounds, Material, Mesh, Object, ScreenTriangle, Shading};
-use crate::error::{Error, Result};
+use super::{Bounds, Material, Mesh, NamedCamera, Object, ScreenTriangle, Shading};
 
 /// A result whose error says what is wrong, but not yet where.
 pub(super) type Unplaced<T> = std::result::Result<T, String>;
@@ -32,6 +30,10 @@ pub struct Model {
     pub screen: Vec<ScreenTriangle>,
     /// Placed volumes.
     pub volumes: Vec<Volume>,
+    /// Cameras of its file.
+    pub cameras: Vec<NamedCamera>,
+    /// Other files that its file names, relative to it, read or not: pictures.
+    pub named: Vec<String>,
     /// What was tolerated, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -69,6 +71,13 @@ impl Model {
         }));
         self.screen.extend(other.screen);
         self.volumes.extend(other.volumes);
+        self.named.extend(other.named);
+        self.cameras.extend(
+            other
+                .cameras
+                .into_iter()
+                .map(|camera| NamedCamera { transform: transform * camera.transform, ..camera }),
+        );
         self.warnings.extend(other.warnings);
     }
 
@@ -95,20 +104,6 @@ impl Material {
     /// Lit (Lambert) surface of a linear colour and an opacity, each 0..1.
     #[must_use]
     pub fn new(name: impl Into<String>, color: [f32; 3], alpha: f32) -> Self {
-        Self { name: name.into(), color, alpha, shading: Shading::Lambert }
+        Self { name: name.into(), color, alpha, shading: Shading::Lambert, texture: None }
     }
-}
-
-/// A whole file, which must be a regular one of at most [`MAX_FILE`] bytes.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>> {
-    let place = path.display().to_string();
-    let wrong = |error: std::io::Error| Error::new(&place, format!("cannot be read: {error}"));
-    let meta = std::fs::metadata(path).map_err(wrong)?;
-    if !meta.is_file() {
-        return Err(Error::new(place, "must be a file"));
-    }
-    if meta.len() > MAX_FILE {
-        return Err(Error::new(place, format!("size: must be at most {MAX_FILE} bytes")));
-    }
-    std::fs::read(path).map_err(wrong)
 }

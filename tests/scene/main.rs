@@ -18,6 +18,7 @@ mod polygons;
 mod procedural;
 mod real;
 mod stl;
+mod textures;
 mod volumes;
 
 use fragloom::error::Result;

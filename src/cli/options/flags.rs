@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use super::{approximation, importance};
+use super::{approximation, importance, scene};
 
 /// Options of every command that draws.
 #[derive(Clone, Debug, Args)]
@@ -22,6 +22,9 @@ pub(in crate::cli) struct Drawing {
     /// Shading of every material [default: the scene's, else lambert]
     #[arg(long, value_enum, value_name = "SHADING")]
     pub(in crate::cli) shading: Option<Shading>,
+
+    #[command(flatten)]
+    pub(in crate::cli) scene: scene::Typed,
 
     /// Radius of every point of point sets, in units of their file [default: the points' own, else estimated]
     #[arg(long, value_name = "R", allow_negative_numbers = true)]

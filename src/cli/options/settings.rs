@@ -90,7 +90,8 @@ fn overrides(typed: &Drawing) -> Result<Overrides> {
     let size = typed.size.as_deref().map(values::size).transpose()?;
     let points = PointSize { radius: typed.point_radius, scale: typed.point_scale };
     let shading = typed.shading.map(scene::Shading::from);
-    Ok(Overrides { size, alpha: typed.alpha, shading, points })
+    let (viewpoint, format) = (typed.scene.viewpoint()?, typed.scene.format());
+    Ok(Overrides { size, alpha: typed.alpha, shading, points, viewpoint, format })
 }
 
 fn exec(typed: &Drawing, record: bool) -> Result<render::Exec> {

@@ -78,7 +78,9 @@ impl Triangles {
             if area.is_empty() {
                 continue;
             }
-            if !fits(outline, center) || !is_simple(outline) {
+            // A device does not know which pixels a mask leaves out.
+            let masked = front.surface(primitive).is_masked();
+            if masked || !fits(outline, center) || !is_simple(outline) {
                 rest.push(index);
                 continue;
             }

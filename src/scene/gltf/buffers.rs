@@ -71,11 +71,10 @@ pub(super) fn load<'a>(
         let wrong = |problem: String| Error::new(place, format!("buffer {i}: {problem}"));
         let uri = json::text(buffer, "uri");
         let mut bytes = || match uri {
-            Some(uri) if uri.starts_with("data:") => Ok(Cow::from(decode(uri).map_err(&wrong)?)),
-            Some(uri) if uri.contains("://") => {
-                Err(wrong("uri: must be a relative path or a data: URI".to_owned()))
-            }
-            Some(uri) => Ok(Cow::from(read(&percent_decoded(uri).map_err(&wrong)?)?)),
+            Some(uri) => match source(uri).map_err(&wrong)? {
+                Source::Inside(bytes) => Ok(Cow::from(bytes)),
+                Source::File(name) => Ok(Cow::from(read(&name)?)),
+            },
             None => bin
                 .take()
                 .map(Cow::from)
@@ -91,6 +90,25 @@ pub(super) fn load<'a>(
         }));
     }
     Ok(buffers)
+}
+
+/// Where a URI's bytes are.
+pub(super) enum Source {
+    /// In the URI.
+    Inside(Vec<u8>),
+    /// In the file of this relative path.
+    File(String),
+}
+
+/// Takes a URI apart.
+pub(super) fn source(uri: &str) -> Unplaced<Source> {
+    if uri.starts_with("data:") {
+        return decode(uri).map(Source::Inside);
+    }
+    if uri.contains("://") {
+        return Err("uri: must be a relative path or a data: URI".to_owned());
+    }
+    percent_decoded(uri).map(Source::File)
 }
 
 fn decode(uri: &str) -> Unplaced<Vec<u8>> {

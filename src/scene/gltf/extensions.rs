@@ -10,12 +10,13 @@ use super::super::parts::Tally;
 use super::json;
 
 /// Drawn as they should be.
-const DRAWN: [&str; 5] = [
+const DRAWN: [&str; 6] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
+    "KHR_texture_transform",
 ];
 
 /// The beginnings of names of extensions about looks.

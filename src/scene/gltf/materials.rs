@@ -1,30 +1,33 @@
-//! Materials: the base colour, and what its opacity means.
+//! Materials: the base colour with its picture, and what the opacity means.
 
 use serde_json::Value;
 
 use super::super::model::Unplaced;
 use super::super::parts::Tally;
+use super::super::texture::Opacity;
 use super::super::{Material, Shading};
 use super::json;
+use super::textures::{Lying, Pictures};
 
-/// What a material's opacity means.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mode {
-    /// Nothing.
-    Opaque,
-    /// What is at least as opaque as this is opaque, the rest is not there. The material's own opacity is kept beside.
-    Mask {
-        /// The material's opacity.
-        alpha: f32,
-        /// The least that is drawn.
-        cutoff: f32,
-    },
-    /// What it says.
-    Blend,
+/// What a material's opacity means, and how its picture lies on a mesh, if it has one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub(super) opacity: Opacity,
+    pub(super) lying: Option<Lying>,
 }
 
-/// A material and what its opacity means.
-pub(super) fn read(index: usize, value: &Value, tally: &mut Tally) -> Unplaced<(Material, Mode)> {
+impl Look {
+    /// Opaque, and without a picture.
+    pub(super) const PLAIN: Self = Self { opacity: Opacity::Opaque, lying: None };
+}
+
+/// A material, with its picture from `pictures`.
+pub(super) fn read(
+    index: usize,
+    value: &Value,
+    pictures: &mut Pictures<'_>,
+    tally: &mut Tally,
+) -> Unplaced<(Material, Look)> {
     let name = json::text(value, "name").map_or_else(|| format!("material {index}"), str::to_owned);
     let wrong = |problem: String| format!("material {name:?}: {problem}");
     let pbr = json::get(value, "pbrMetallicRoughness");
@@ -38,29 +41,31 @@ pub(super) fn read(index: usize, value: &Value, tally: &mut Tally) -> Unplaced<(
                 found.map(|v| f64::from(tally.clamped(v, || format!("material {name:?}: {key}"))));
         }
     }
-    for (table, key) in [(pbr, "baseColorTexture"), (older, "diffuseTexture")] {
-        if table.is_some_and(|table| json::get(table, key).is_some()) {
-            tally.add("textures are not drawn, neither their colour nor their opacity", || {
-                format!("material {name:?}: {key}")
-            });
-        }
-    }
     let cutoff = json::number(value, "alphaCutoff").map_err(wrong)?.unwrap_or(0.5) as f32;
     let [r, g, b, alpha] = factor.map(|v| v as f32);
-    let mode = match json::text(value, "alphaMode") {
-        None | Some("OPAQUE") => Mode::Opaque,
-        Some("MASK") => Mode::Mask { alpha, cutoff },
-        Some("BLEND") => Mode::Blend,
+    let opacity = match json::text(value, "alphaMode") {
+        None | Some("OPAQUE") => Opacity::Opaque,
+        Some("MASK") => Opacity::Mask { alpha, cutoff },
+        Some("BLEND") => Opacity::Blend,
         Some(other) => {
             let other: String = other.chars().take(40).collect();
             tally.add("must be OPAQUE, MASK or BLEND, and is taken for OPAQUE", || {
                 format!("material {name:?}: alphaMode: {other:?}")
             });
-            Mode::Opaque
+            Opacity::Opaque
         }
     };
     let unlit = json::deep(value, &["extensions", "KHR_materials_unlit"]).is_some();
     let shading = if unlit { Shading::Flat } else { Shading::Lambert };
-    let alpha = if mode == Mode::Blend { alpha } else { 1.0 };
-    Ok((Material { shading, ..Material::new(name, [r, g, b], alpha) }, mode))
+    let alpha = if opacity == Opacity::Blend { alpha } else { 1.0 };
+    let mut found = None;
+    for (table, key) in [(pbr, "baseColorTexture"), (older, "diffuseTexture")] {
+        if let Some(info) = table.and_then(|table| json::get(table, key)) {
+            let texture = pictures.texture(info, opacity, &name, tally);
+            found = texture.map_err(|problem| wrong(format!("{key}: {problem}")))?;
+        }
+    }
+    let (texture, lying) = found.unzip();
+    let material = Material { shading, texture, ..Material::new(name, [r, g, b], alpha) };
+    Ok((material, Look { opacity, lying }))
 }

@@ -2,11 +2,13 @@
 //! draws is not looked at.
 //!
 //! Drawn are the meshes of the default scene (else the first, else all root nodes), each node's transform applied after
-//! its children's: with morph targets and skins at rest, and instances. Not drawn: textures, points and lines (a warning
-//! each), cameras and lights.
+//! its children's: with morph targets and skins at rest, instances, and base colours with their pictures (PNG and JPEG,
+//! by their samplers, but never smaller copies of them). Not drawn: other textures, points and lines (a warning), cameras
+//! and lights.
 
 mod accessor;
 mod buffers;
+mod cameras;
 mod extensions;
 mod instances;
 mod json;
@@ -15,6 +17,7 @@ mod materials;
 mod nodes;
 mod primitive;
 mod skin;
+mod textures;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,10 +26,12 @@ use glam::DMat4;
 use serde_json::Value;
 
 use self::accessor::Data;
-use self::materials::Mode;
+use self::materials::Look;
 use self::primitive::Found;
+use self::textures::Pictures;
 use super::model::{GREY, MAX_TRIANGLES, Unplaced};
 use super::parts::Tally;
+use super::texture::Opacity;
 use super::{Material, Mesh, Model, Object, check};
 use crate::error::{Error, Result};
 
@@ -47,16 +52,19 @@ pub fn parse(
     let mut tally = Tally::default();
     extensions::check(&root, &mut tally).map_err(wrong)?;
     let buffers = buffers::load(&root, bin, place, read).map_err(wrong)?;
+    let data = Data { root: &root, buffers, place };
     let mut loader = Loader {
-        data: Data { root: &root, buffers, place },
-        model: Model::default(),
-        modes: Vec::new(),
+        data: &data,
+        model: Model { named: textures::names(&root), ..Model::default() },
+        looks: Vec::new(),
+        white: None,
+        plain: BTreeMap::new(),
         known: BTreeMap::new(),
         tally,
         read: 0,
         gone: false,
     };
-    loader.materials().map_err(wrong)?;
+    loader.materials(read).map_err(wrong)?;
     loader.nodes()?;
     loader.finish()
 }
@@ -95,10 +103,14 @@ fn check_version(root: &Value) -> Unplaced<()> {
 const MOST: usize = 1 << 22;
 
 struct Loader<'a> {
-    data: Data<'a>,
+    data: &'a Data<'a>,
     model: Model,
-    /// What the opacity of each material means.
-    modes: Vec<Mode>,
+    /// What else is known of each material.
+    looks: Vec<Look>,
+    /// The default material in white.
+    white: Option<usize>,
+    /// Materials without their pictures, by the number of the one with it.
+    plain: BTreeMap<usize, usize>,
     /// Meshes by number and weights.
     known: BTreeMap<(usize, Vec<u64>), Vec<Part>>,
     tally: Tally,
@@ -112,16 +124,20 @@ struct Loader<'a> {
 type Part = (Arc<Mesh>, usize);
 
 impl<'a> Loader<'a> {
-    fn materials(&mut self) -> Unplaced<()> {
+    fn materials(&mut self, read: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Unplaced<()> {
+        let mut pictures = Pictures::new(self.data, read);
         for (i, value) in json::list(self.data.root, "materials")?.iter().enumerate() {
-            let (material, mode) = materials::read(i, value, &mut self.tally)?;
-            self.model.add_material(material);
-            self.modes.push(mode);
+            let (material, look) = materials::read(i, value, &mut pictures, &mut self.tally)?;
+            self.material(material, look);
         }
         // Of primitives without one: grey, or white for the colours of vertices to show.
-        self.model.add_material(Material::new("default", GREY, 1.0));
-        self.modes.push(Mode::Opaque);
+        self.material(Material::new("default", GREY, 1.0), Look::PLAIN);
         Ok(())
+    }
+
+    fn material(&mut self, material: Material, look: Look) -> usize {
+        self.looks.push(look);
+        self.model.add_material(material)
     }
 
     fn nodes(&mut self) -> Result<()> {
@@ -133,6 +149,8 @@ impl<'a> Loader<'a> {
             let (node, place) = (&nodes[index], placed.places[index].unwrap_or_default());
             let own = json::text(node, "name").map_or_else(String::new, |own| format!(" {own:?}"));
             let name = format!("node {index}{own}");
+            let camera = cameras::of_node(root, node, place, &name, &mut self.tally);
+            self.model.cameras.extend(camera);
             let field = |key| json::index(node, key).map_err(|p| self.data.wrong(&name, &p));
             let (Some(mesh), skin) = (field("mesh")?, field("skin")?) else { continue };
             let instances = self.data.instances(node, &name)?;
@@ -268,35 +286,55 @@ impl<'a> Loader<'a> {
 
     /// Brings the material to a mesh.
     fn finished(&mut self, mut mesh: Mesh, primitive: &Value, name: &str) -> Result<Part> {
-        let count =
-            self.modes.len().min(json::list(self.data.root, "materials").map_or(0, <[_]>::len));
+        let count = json::list(self.data.root, "materials").map_or(0, <[_]>::len);
         let wrong = |problem: String| self.data.wrong(name, &problem);
-        let material = match json::index(primitive, "material").map_err(wrong)? {
+        let mut material = match json::index(primitive, "material").map_err(wrong)? {
             Some(index) if index < count => index,
             Some(index) => {
                 return Err(wrong(format!("material: {index} is not among the {count}")));
             }
             None if mesh.colors.is_empty() => count,
-            None => self.white(count),
+            None => self.white(),
         };
-        match self.modes.get(material) {
-            Some(Mode::Blend) => {}
-            Some(Mode::Mask { alpha, cutoff }) => {
-                mesh = mask::cut(mesh, *alpha, *cutoff);
+        if let Some(lying) = self.looks[material].lying {
+            let vertices = mesh.positions.len();
+            match self.data.places(primitive, lying, vertices, name, &mut self.tally)? {
+                Some(places) => mesh.places = places,
+                None => material = self.plain(material),
+            }
+        }
+        match self.looks[material].opacity {
+            Opacity::Blend => {}
+            // A picture's mask is looked at pixel by pixel.
+            Opacity::Mask { .. } if !mesh.places.is_empty() => {}
+            Opacity::Mask { alpha, cutoff } => {
+                mesh = mask::cut(mesh, alpha, cutoff);
                 self.gone |= mesh.triangles.is_empty();
             }
-            Some(Mode::Opaque) | None => mesh.alphas.clear(),
+            Opacity::Opaque => mesh.alphas.clear(),
         }
         check::mesh(self.data.place, &mesh).map_err(|e| self.data.wrong(name, e.problem()))?;
         Ok((Arc::new(mesh), material))
     }
 
-    /// The material behind the grey one.
-    fn white(&mut self, grey: usize) -> usize {
-        if self.model.materials.len() == grey + 1 {
-            self.model.add_material(Material::new("default", [1.0; 3], 1.0));
+    fn white(&mut self) -> usize {
+        if let Some(white) = self.white {
+            return white;
         }
-        grey + 1
+        let white = self.material(Material::new("default", [1.0; 3], 1.0), Look::PLAIN);
+        *self.white.insert(white)
+    }
+
+    /// A material without its picture.
+    fn plain(&mut self, material: usize) -> usize {
+        if let Some(&plain) = self.plain.get(&material) {
+            return plain;
+        }
+        let own = Material { texture: None, ..self.model.materials[material].clone() };
+        let look = Look { lying: None, ..self.looks[material] };
+        let plain = self.material(own, look);
+        self.plain.insert(material, plain);
+        plain
     }
 
     fn check_count(&self) -> Result<()> {

@@ -98,7 +98,7 @@ impl Data<'_> {
     }
 
     /// An attribute that can be done without, if nothing is wrong with it.
-    fn sound(
+    pub(super) fn sound(
         &self,
         found: Option<Result<Numbers>>,
         count: usize,

@@ -49,7 +49,7 @@ impl Group {
             colors: all.colors().map_or(Vec::new(), |c| vertices().map(|v| c[v]).collect()),
             alphas: all.alphas().map_or(Vec::new(), |a| vertices().map(|v| a[v]).collect()),
             triangles: std::mem::take(&mut self.triangles),
-            discs: Vec::new(),
+            ..Mesh::default()
         };
         self.corners = Vec::new();
     }

@@ -45,6 +45,7 @@ pub fn parse(
     // What the file does not say must not darken the colours of vertices.
     let plain = if said.colored { [1.0; 3] } else { GREY };
     for look in &looks {
+        model.named.extend(look.named.iter().cloned());
         known.insert(&look.name, model.add_material(look.material(plain, &mut tally)));
     }
     let plain = model.add_material(Material::new("default", plain, 1.0));
@@ -121,7 +122,16 @@ fn libraries(
     let mut read = |name: &str, looks: &mut Vec<Look>| {
         let slashes = name.replace('\\', "/");
         let found = library(name).or_else(|| (slashes != name).then(|| library(&slashes))?);
-        found.map(|bytes| looks.extend(mtl::parse(&bytes, name))).is_some()
+        let parsed = found.map(|bytes| mtl::parse(&bytes, name));
+        let there = parsed.is_some();
+        let folder = std::path::Path::new(&slashes).parent();
+        for mut look in parsed.into_iter().flatten() {
+            let beside = |named: &String| Some(folder?.join(named).to_str()?.to_owned());
+            let beside: Vec<String> = look.named.iter().filter_map(beside).collect();
+            look.named.extend(beside);
+            looks.push(look);
+        }
+        there
     };
     for line in lines {
         let bare = line.trim_matches('"');

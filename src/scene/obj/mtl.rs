@@ -15,6 +15,8 @@ pub(super) struct Look {
     tr: Option<f64>,
     /// The lines that name pictures of the colour or the opacity.
     pictures: Vec<String>,
+    /// Files that are named as pictures of anything, relative to the library or to what names it.
+    pub(super) named: Vec<String>,
     /// What is wrong with lines.
     problems: Vec<String>,
 }
@@ -35,8 +37,16 @@ pub(super) fn parse(bytes: &[u8], place: &str) -> Vec<Look> {
     looks
 }
 
+/// Other keywords before the names of pictures.
+const PICTURES: [&str; 6] = ["bump", "disp", "decal", "refl", "norm", "disp_map"];
+
 impl Look {
     fn line(&mut self, keyword: &str, rest: &str) -> Result<(), String> {
+        if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
+            // Options may stand before the name, and the name may have blanks.
+            self.named.push(rest.replace('\\', "/"));
+            self.named.extend(rest.rsplit(char::is_whitespace).next().map(str::to_owned));
+        }
         match keyword {
             // The other forms give a spectrum or CIE coordinates, which are not used in practice.
             "Kd" if rest.starts_with("spectral") || rest.starts_with("xyz") => {}

@@ -85,9 +85,8 @@ fn mesh(table: &Table, faces: &Faces, tally: &mut Tally, place: &str) -> Result<
         positions: table.places.clone(),
         normals: three(NORMAL),
         colors: three(COLOR),
-        alphas: Vec::new(),
         triangles,
-        discs: Vec::new(),
+        ..Mesh::default()
     };
     if table.has[ALPHA] {
         mesh.alphas = table.rows.iter().map(|row| row[ALPHA]).collect();
