@@ -6,11 +6,16 @@
 
 mod raster;
 
+use std::sync::Arc;
+
 pub use raster::raster;
 
 use fragloom::error::{Error, Result};
+use fragloom::scene::texture::{Opacity, Picture, Wrap};
 use fragloom::scene::volume::{self, Grid, Interpolation};
-use fragloom::scene::{Model, Overrides, check, file, gltf, obj, pcd, ply, stl};
+use fragloom::scene::{
+    Model, Overrides, PointSize, Texture, check, file, gltf, obj, pcd, ply, stl, zipped,
+};
 
 /// An OBJ file up to the first zero byte, with the rest as its material library.
 pub fn obj(bytes: &[u8]) {
@@ -35,6 +40,25 @@ pub fn stl(bytes: &[u8]) {
     check_model(stl::parse(bytes, "fuzz"));
 }
 
+/// A zip archive with a model.
+pub fn zip(bytes: &[u8]) {
+    check_model(zipped(bytes, "fuzz", PointSize::default()));
+}
+
+/// A PNG or JPEG file as a texture: all of it has a colour.
+pub fn picture(bytes: &[u8]) {
+    let Ok(picture) = Picture::of_file(bytes) else { return };
+    let picture = Arc::new(picture);
+    for (wrap, nearest) in [(Wrap::Repeat, true), (Wrap::Mirror, false), (Wrap::Clamp, false)] {
+        let picture = Arc::clone(&picture);
+        let texture = Texture { picture, wrap: [wrap; 2], nearest, opacity: Opacity::Blend };
+        for place in [[0.0, 1.0], [-0.3, 7.7], [f32::MAX, f32::MIN], [f32::NAN, 0.5]] {
+            let texel = texture.at(place);
+            assert!(texel.iter().all(|c| (0.0..=1.0).contains(c)), "a colour and an opacity");
+        }
+    }
+}
+
 /// A PCD file.
 pub fn pcd(bytes: &[u8]) {
     check_model(pcd::parse(bytes, "fuzz"));
@@ -57,7 +81,8 @@ pub fn toml(bytes: &[u8]) {
         file::Source::File(name) if name.starts_with('x') => Err(Error::new(name, "is missing")),
         _ => obj::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "triangle", &mut |_| None),
     };
-    if let Ok(scene) = description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new())) {
+    if let Ok(scene) = description.build(&Overrides::default(), &mut model, &mut |_| Ok(Vec::new()))
+    {
         check::scene(&scene).expect("a scene that was built keeps its promises");
     }
 }

@@ -5,11 +5,13 @@ use std::path::Path;
 
 #[test]
 fn the_corpus_passes() {
-    let targets: [(&str, fn(&[u8])); 9] = [
+    let targets: [(&str, fn(&[u8])); 11] = [
         ("obj", fragloom_fuzz::obj),
         ("gltf", fragloom_fuzz::gltf),
         ("ply", fragloom_fuzz::ply),
         ("stl", fragloom_fuzz::stl),
+        ("zip", fragloom_fuzz::zip),
+        ("picture", fragloom_fuzz::picture),
         ("pcd", fragloom_fuzz::pcd),
         ("toml", fragloom_fuzz::toml),
         ("npy", fragloom_fuzz::npy),

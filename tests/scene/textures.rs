@@ -187,7 +187,8 @@ fn coordinates_are_scaled_then_turned_then_moved() {
     let moved = json!({"scale": [0.5, 0.5], "offset": [0.5, 0.0]});
     assert_eq!(with(&moved), BTreeMap::from([(GREEN, 256)]));
     // The extension's example: the lower left quarter of the picture.
-    let turned = json!({"offset": [0, 1], "rotation": 1.570_796_326_79, "scale": [0.5, 0.5]});
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let turned = json!({"offset": [0, 1], "rotation": quarter, "scale": [0.5, 0.5]});
     assert_eq!(with(&turned), BTreeMap::from([(BLUE, 256)]));
     let beyond = json!({"offset": [1.25, 0.0], "scale": [0.5, 1.0]});
     assert_eq!(with(&beyond), BTreeMap::from([(GREEN, 128), (WHITE, 128)]), "clamped");

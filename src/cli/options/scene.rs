@@ -7,6 +7,7 @@ use crate::scene::{FileFormat, Parallel, Side, Viewpoint};
 
 /// As typed.
 #[derive(Clone, Debug, Default, Args)]
+#[group(id = "scene_and_camera")]
 pub(in crate::cli) struct Typed {
     /// What SCENE is, whatever its name ends in; needed where it comes in on stdin, as SCENE - [default: by the ending]
     #[arg(long, value_enum, value_name = "FORMAT")]

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::super::model::Unplaced;
 use super::super::parts::Tally;
-use super::super::texture::{Opacity, Picture, Texture, Wrap, decode};
+use super::super::texture::{Opacity, Picture, Texture, Wrap};
 use super::accessor::Data;
 use super::buffers::{Source, source};
 use super::json;
@@ -119,12 +119,12 @@ impl<'a> Pictures<'a> {
                 &own
             }
         };
-        let image = decode(bytes)?;
-        self.texels += image.pixels.len();
+        let picture = Picture::of_file(bytes)?;
+        self.texels += picture.size().map(|edge| edge as usize).iter().product::<usize>();
         if self.texels > MOST {
             return Err(format!("all pictures together have more than {MOST} texels"));
         }
-        Picture::new(image).ok_or_else(|| "has no pixels".to_owned())
+        Ok(picture)
     }
 }
 

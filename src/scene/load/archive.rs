@@ -8,7 +8,8 @@ use std::path::{Component, Path, PathBuf};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::files::{FileFormat, all, beside, too_large};
+use super::super::parts::FileFormat;
+use super::files::{all, beside, too_large};
 use crate::error::{Error, Result};
 
 /// An archive in memory.

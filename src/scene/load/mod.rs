@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use self::archive::Archive;
-pub use self::files::FileFormat;
 use self::files::{Files, beside, is_stdin, place};
 use super::draft::{Draft, Overrides, image_size};
 use super::file::{self, Source};
 use super::model::Model;
+use super::parts::FileFormat;
 use super::procedural::{self, Builtin};
 use super::texture::{Opacity, Texture};
 use super::{Material, Object, PointSize, Scene, gltf, names, obj, pcd, ply, stl};

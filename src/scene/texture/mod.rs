@@ -11,7 +11,7 @@ mod decode;
 use std::fmt;
 use std::sync::{Arc, LazyLock};
 
-pub(super) use self::decode::decode;
+use self::decode::decode;
 use crate::image::Image;
 use crate::num::color;
 
@@ -65,6 +65,20 @@ pub enum Opacity {
 }
 
 impl Picture {
+    /// The picture in a PNG or JPEG file of at most 8192 pixels each way; of deeper ones, the upper 8 bits.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn of_file(bytes: &[u8]) -> Result<Self, String> {
+        Self::new(decode(bytes)?).ok_or_else(|| "has no pixels".to_owned())
+    }
+
+    /// Width and height, pixels.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        [self.image.width, self.image.height]
+    }
+
     /// Of an image with at least one pixel; `None` for any other.
     #[must_use]
     pub fn new(image: Image) -> Option<Self> {

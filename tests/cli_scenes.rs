@@ -1,0 +1,203 @@
+//! Where scenes come from on the command line: files, stdin, archives; and the camera that is told.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "support/command.rs"]
+mod support;
+
+use std::fs;
+use std::io::{Cursor, Write};
+use std::process::Stdio;
+
+use fragloom::image::{Image, png};
+use serde_json::Value;
+use support::Dir;
+
+const QUAD: &str = "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n";
+const LIBRARY: &str = "newmtl a\nKd 1 0 0\nd 0.25\nmap_Kd -s 2 2 2 wood.png\n";
+const SMALL: &str = "--size 32 --json -q";
+
+/// A folder with these files.
+fn folder(files: &[(&str, &[u8])]) -> Dir {
+    let dir = Dir::new();
+    files.iter().for_each(|(name, bytes)| fs::write(dir.path(name), bytes).unwrap());
+    dir
+}
+
+fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+/// The report of a run that must succeed.
+#[track_caller]
+fn report(dir: &Dir, line: &str) -> Value {
+    let run = dir.run(line);
+    assert_eq!(run.code, 0, "{line}: {run:?}");
+    run.json()
+}
+
+/// A run with `bytes` on stdin: exit code, stdout and stderr.
+fn piped(dir: &Dir, line: &str, bytes: &[u8]) -> (i32, String, String) {
+    let mut command = dir.command();
+    command.args(line.split_whitespace()).stdin(Stdio::piped());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The other end may be closed before all is written.
+    let _ = child.stdin.take().unwrap().write_all(bytes);
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn what_comes_in_on_stdin_is_what_the_file_is() {
+    let dir = folder(&[("a.obj", QUAD.as_bytes()), ("a.mtl", LIBRARY.as_bytes())]);
+    let of_file = report(&dir, &format!("render a.obj {SMALL}"));
+    let (code, stdout, stderr) =
+        piped(&dir, &format!("render - --format obj {SMALL}"), QUAD.as_bytes());
+    assert_eq!(code, 0, "{stderr}");
+    let piped_report: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(piped_report["scene"], "stdin");
+    for key in ["image_hash", "fragments_hash", "generated", "triangles"] {
+        assert_eq!(piped_report[key], of_file[key], "{key}");
+    }
+    let toml = b"[[object]]\nfile = \"a.obj\"\n";
+    assert_eq!(piped(&dir, &format!("render - --format toml {SMALL}"), toml).0, 0);
+    for (line, bytes, words) in [
+        ("render - -q", QUAD, ["--format", "stdin"]),
+        ("render - --format obj -q", "", ["stdin", "empty"]),
+        ("render - --format obj -q", "v 0 0 x\nf 1 1 1", ["stdin", "line 2"]),
+        ("render - --format obj -o a.mtl", QUAD, ["a.mtl", ".png"]),
+    ] {
+        let (code, stdout, stderr) = piped(&dir, line, bytes.as_bytes());
+        assert_eq!((code, stdout.as_str()), (2, ""), "{line}: {stderr}");
+        assert!(words.iter().all(|word| stderr.contains(word)), "{line}: {stderr}");
+    }
+    let renamed = folder(&[("model", QUAD.as_bytes()), ("a.mtl", LIBRARY.as_bytes())]);
+    renamed.run("render model").is_error(&["model", "--format"]);
+    let told = report(&renamed, &format!("render model --format obj {SMALL}"));
+    assert_eq!(told["image_hash"], of_file["image_hash"]);
+}
+
+#[test]
+fn zipped_models_bring_what_they_name() {
+    let dir = folder(&[("a.obj", QUAD.as_bytes()), ("a.mtl", LIBRARY.as_bytes())]);
+    let of_file = report(&dir, &format!("render a.obj {SMALL}"));
+    let packed = zip(&[
+        ("__MACOSX/model/a.obj", b"junk"),
+        ("model/readme.txt", b"text"),
+        ("model/a.obj", QUAD.replace("a.mtl", "..\\\\model\\\\a.mtl").as_bytes()),
+        ("model/a.mtl", LIBRARY.as_bytes()),
+    ]);
+    fs::write(dir.path("model.zip"), &packed).unwrap();
+    let found = report(&dir, &format!("render model.zip {SMALL}"));
+    assert_eq!(found["image_hash"], of_file["image_hash"]);
+    let many = zip(&[("b.obj", QUAD.as_bytes()), ("a.stl", b"x")]);
+    for (bytes, words) in [
+        (b"no archive".to_vec(), ["zip archive", "z.zip"]),
+        (packed[..packed.len() / 2].to_vec(), ["zip archive", "whole"]),
+        (zip(&[("readme.txt", b"text")]), ["no .obj", "z.zip"]),
+        (many, ["2 models", "a.stl and b.obj"]),
+        (zip(&[("a/m.obj", b"f 1 2 3")]), ["z.zip: a/m.obj", "line 1"]),
+    ] {
+        fs::write(dir.path("z.zip"), bytes).unwrap();
+        dir.run("render z.zip").is_error(&words);
+    }
+}
+
+/// Whatever a material names is an input, drawn or not.
+#[test]
+fn pictures_of_materials_are_not_overwritten() {
+    let pixels = vec![[1, 2, 3, 255]];
+    let picture = png::encode(&Image { width: 1, height: 1, pixels }).unwrap();
+    let document = r#"{"asset": {"version": "2.0"}, "scene": 0, "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}], "images": [{"uri": "wood.png"}],
+        "buffers": [{"byteLength": 36, "uri": "b.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]}"#;
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
+    let dir = folder(&[
+        ("a.obj", QUAD.as_bytes()),
+        ("a.mtl", LIBRARY.as_bytes()),
+        ("m.gltf", document.as_bytes()),
+        ("b.bin", &bytes),
+        ("wood.png", &picture),
+        ("s.toml", b"[[object]]\nfile = \"a.obj\"\n"),
+    ]);
+    for scene in ["a.obj", "m.gltf", "s.toml"] {
+        for output in ["wood.png", "./wood.png"] {
+            let run = dir.run(&format!("render {scene} --size 32 -o {output}"));
+            run.is_error(&["wood.png", "input"]);
+        }
+    }
+    assert_eq!(dir.read("wood.png"), picture);
+    assert_eq!(dir.names(), ["a.mtl", "a.obj", "b.bin", "m.gltf", "s.toml", "wood.png"]);
+}
+
+#[test]
+fn the_camera_is_what_is_told() {
+    let dir = folder(&[("a.obj", QUAD.as_bytes()), ("a.mtl", LIBRARY.as_bytes())]);
+    let generated = |options: &str| {
+        let report = report(&dir, &format!("render a.obj -m exact {options} {SMALL}"));
+        report["generated"].as_u64().unwrap()
+    };
+    // 4 units of 8 are 16 pixels of 32.
+    assert_eq!(generated("--view front --ortho 8"), 256);
+    assert_eq!(generated("--eye 2,2,9 --target 2,2,0 --ortho 8"), 256);
+    assert_eq!(generated("--eye 2,2,9 --target 2,2,0 --ortho 8 --near 10 --far 11"), 0);
+    assert_eq!(generated("--view top --ortho 8"), 0, "from above it is a line");
+    assert_eq!(generated("--view top --up z --ortho 8"), 256);
+    assert_eq!(generated("--view back --cull-face back --ortho 8"), 0);
+    // At a distance of 4, 4 units are half of what 90 degrees show.
+    assert_eq!(generated("--eye 2,2,4 --target 2,2,0 --fov 90"), 256);
+    for (options, words) in [
+        ("--eye 1,2", &["--eye", "1,2"][..]),
+        ("--eye 0,0,0 --target 0,0,0", &["--target", "apart"]),
+        ("--eye 2,2,9 --target 2,2,0 --up z", &["--up", "parallel"]),
+        ("--fov 180", &["--fov", "179"]),
+        ("--near 5 --far 2", &["--near", "--far"]),
+        ("--camera front", &["--camera", "\"front\"", "no camera"]),
+        ("--eye 1,2,3 --view top", &["--view"]),
+    ] {
+        dir.run(&format!("render a.obj {options}")).is_error(words);
+    }
+}
+
+#[test]
+fn cameras_of_files_have_names() {
+    let scene = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [{"mesh": 0},
+            {"name": "Over the shoulder", "camera": 0, "translation": [1, 1, 9]},
+            {"camera": 1, "translation": [1, 1, 9], "name": "broken"}],
+        "cameras": [{"type": "orthographic", "name": "plan",
+            "orthographic": {"xmag": 2, "ymag": 2, "znear": 1, "zfar": 20}}, {"type": "wide"}],
+        "buffers": [{"byteLength": 36, "uri": "b.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]}"#;
+    let corners = [0.0_f32, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
+    let dir = folder(&[
+        ("m.gltf", scene.as_bytes()),
+        ("b.bin", &bytes),
+        ("s.toml", b"[[object]]\nfile = \"m.gltf\"\ntranslate = [5, 0, 0]\n"),
+    ]);
+    // A right triangle of 16 pixels by 16, with half of its diagonal.
+    for line in ["m.gltf --camera plan", "m.gltf --camera 0", "s.toml --camera plan"] {
+        let report = report(&dir, &format!("render {line} -m exact {SMALL}"));
+        let generated = report["generated"].as_u64().unwrap();
+        assert!((120..=136).contains(&generated), "{line}: {generated}");
+    }
+    let mut command = dir.command();
+    command.args(["render", "m.gltf", "--camera", "Over the shoulder", "--json", "-q"]);
+    assert!(command.output().unwrap().status.success());
+    dir.run("render m.gltf --camera nobody").is_error(&["--camera", "nobody", "\"plan\""]);
+    let run = dir.run("render m.gltf --size 32");
+    assert!(run.stderr.contains("camera") && run.stderr.contains("broken"), "{run:?}");
+}
