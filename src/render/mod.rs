@@ -194,7 +194,8 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     if let Some(culling) = culling {
         culling.add_to(&mut report, &executed.frame.tally, options, &job.nearest);
     }
-    report.threads = threads;
+    // The simulated device is one thread.
+    report.threads = if matches!(options.exec, Exec::Sim(_)) { 1 } else { threads };
     report.nan_pixels = kept.nan_pixels();
     if report.generated == 0 && scene.volumes.is_empty() {
         report.warnings.push(nothing_in_view(scene));

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::camera::AMBIENT;
 use super::draft::{DEFAULT_BACKGROUND, Draft, Overrides, View, image_size};
 use super::model::{MAX_TRIANGLES, Unplaced};
-use super::parts::without_mark;
+use super::parts::{plain, without_mark};
 use super::placement::Placement;
 use super::volume::VolumeTable;
 use super::{
@@ -125,9 +125,7 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Description> {
     let text = std::str::from_utf8(bytes)
         .map_err(|error| wrong(format!("byte {}: is not UTF-8 text", error.valid_up_to())))?;
     let table: Document = toml::from_str(text).map_err(|error| {
-        let start = error.span().map_or(0, |span| span.start).min(bytes.len());
-        let line = bytes[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        wrong(format!("line {line}: {}", error.message().replace('\n', "; ")))
+        wrong(plain(error.message(), text, error.span().map_or(0, |span| span.start)))
     })?;
     let description = Description { place: place.to_owned(), table };
     description.check()?;

@@ -18,7 +18,13 @@ const FACET: usize = 50;
 pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
     let corners = match count(bytes) {
         Some(count) => binary(bytes, count),
-        None => text(&decode(bytes)),
+        None => match text(&decode(bytes)) {
+            // No text after all: a binary file with more behind its facets.
+            Ok(corners) if corners.is_empty() && promised(bytes).is_some_and(|n| n > 0) => {
+                binary(bytes, promised(bytes).unwrap_or_default())
+            }
+            corners => corners,
+        },
     };
     let corners = corners.map_err(|problem| Error::new(place, problem))?;
     let count = corners.len() as u32 / 3;
@@ -37,10 +43,17 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
 /// How many facets a binary file promises; `None` for text. A binary file, too, may begin with "solid", so that its
 /// length decides.
 fn count(bytes: &[u8]) -> Option<usize> {
-    let word = bytes.get(HEADER - 4..HEADER)?.try_into().ok()?;
-    let count = u32::from_le_bytes(word) as usize;
-    let text = bytes.trim_ascii_start().starts_with(b"solid") || bytes.starts_with(b"\xEF\xBB\xBF");
+    let count = promised(bytes)?;
+    let first = bytes.trim_ascii_start();
+    let text = first.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+        || bytes.starts_with(b"\xEF\xBB\xBF");
     (!text || bytes.len() - HEADER == count.saturating_mul(FACET)).then_some(count)
+}
+
+/// What a binary file's header says.
+fn promised(bytes: &[u8]) -> Option<usize> {
+    let word = bytes.get(HEADER - 4..HEADER)?.try_into().ok()?;
+    Some(u32::from_le_bytes(word) as usize)
 }
 
 fn binary(bytes: &[u8], count: usize) -> Unplaced<Vec<[f64; 3]>> {

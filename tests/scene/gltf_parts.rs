@@ -250,3 +250,39 @@ fn extensions_are_judged_by_what_they_change() {
     let packed = parse(&document).unwrap().warnings;
     assert!(packed[0].contains("mesh 0 primitive 1: KHR_draco_mesh_compression"), "{packed:?}");
 }
+
+/// As browsers do: blanks do not matter, nor what the last bits are, nor padding.
+#[test]
+fn base64_is_read_leniently() {
+    let plain = document(&[TRIANGLE]);
+    let expected = parse(&plain).unwrap().objects[0].mesh.clone();
+    let uri = plain["buffers"][0]["uri"].as_str().unwrap();
+    let (head, payload) = uri.split_once(',').unwrap();
+    let broken = format!("{head},{}", payload[..20].to_owned() + "\n \t" + &payload[20..]);
+    let mut longer = BASE64_STANDARD.decode(payload).unwrap();
+    longer.push(0);
+    // One byte more: two letters, the second of which has four bits to spare.
+    let mut spare = BASE64_STANDARD.encode(&longer);
+    assert!(spare.ends_with("AA=="));
+    spare.replace_range(spare.len() - 3.., "B==");
+    for uri in
+        [broken, format!("{head},{spare}"), format!("{head},{}", spare.trim_end_matches('='))]
+    {
+        let mut document = plain.clone();
+        document["buffers"][0]["uri"] = json!(uri);
+        assert_eq!(*parse(&document).unwrap().objects[0].mesh, *expected, "{uri}");
+    }
+}
+
+/// Where nothing is left to draw, the error says why.
+#[test]
+fn reasons_are_in_the_error() {
+    let mut document = document(&[TRIANGLE]);
+    document["meshes"][0]["primitives"][0]["mode"] = json!(0);
+    assert_fails(
+        parse(&document),
+        &["no triangle", "mesh 0 primitive 0: points and lines are not drawn"],
+    );
+    let obj = fragloom::scene::obj::parse(b"v 0 0 0\np 1\n", "p.obj", &mut |_| None);
+    assert_fails(obj, &["p.obj: f: there is no face", "line 2"]);
+}

@@ -195,3 +195,22 @@ fn bad_materials_are_named() {
         assert!(warnings.len() == 1 && warnings[0].contains(message), "{mtl}: {warnings:?}");
     }
 }
+
+/// Blanks within names, several names on a line, and backslashes before blanks.
+#[test]
+fn names_of_libraries_may_have_blanks() {
+    let read = |line: &str| {
+        let mut asked = Vec::new();
+        let text = format!("mtllib {line}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let model = obj::parse(text.as_bytes(), "m.obj", &mut |name| {
+            let there = ["a b.mtl", "c.mtl", "d e f.mtl"].contains(&name);
+            asked.extend(there.then(|| name.to_owned()));
+            there.then(Vec::new)
+        });
+        (asked, model.unwrap().warnings.len())
+    };
+    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+    assert_eq!(read("a b.mtl c.mtl d e f.mtl"), (names(&["a b.mtl", "c.mtl", "d e f.mtl"]), 0));
+    assert_eq!(read("a\\ b.mtl"), (names(&["a b.mtl"]), 0));
+    assert_eq!(read("c.mtl gone.mtl a b.mtl"), (names(&["c.mtl", "a b.mtl"]), 1));
+}

@@ -102,7 +102,7 @@ fn lying_headers_are_refused_before_reading() {
         ("list uchar int", "list uchar word", "line 12: type \"word\" is none of PLY's"),
         ("format ascii 1.0\n", "", "header: format is missing"),
         ("format ascii", "format text", "line 2: format: must be ascii"),
-        ("end_header\n", "", "is not a line of a PLY header"),
+        ("end_header\n", "", "header: end_header is missing"),
         ("element face 1", "element vertex 1", "element vertex: is there twice"),
         ("element face 1", "element face x", "element face: count: \"x\" is not a whole number"),
         ("ply\n", "plx\n", "line 1: must be \"ply\""),
@@ -162,4 +162,29 @@ fn what_other_programs_write() {
         assert_eq!(model.materials[0].color, [1.0; 3], "grey would darken colours");
         assert_eq!(model.warnings.len(), 2, "{:?}", model.warnings);
     }
+}
+
+/// Words behind what the header declares belong to nothing, if every element has its own line; otherwise, lines mean
+/// nothing.
+#[test]
+fn lines_may_hold_more_or_less_than_an_element() {
+    let expected = parse(&format!("{HEADER}{VERTICES}4 0 1 2 3\n")).unwrap();
+    let longer = VERTICES.replace('\n', " 7 8\n") + "\n4 0 1 2 3 9\n\n";
+    let split = VERTICES.replace(" 0 255 0\n", "\n0 255 0\n") + "4\n0 1 2 3\n";
+    let one_line = VERTICES.replace('\n', " ") + "4 0 1 2 3";
+    for (text, warnings) in [(longer, 1), (split, 0), (one_line, 0)] {
+        let model = parse(&format!("{HEADER}{text}")).unwrap();
+        assert_eq!(model.objects[0].mesh, expected.objects[0].mesh, "{text}");
+        assert_eq!(model.warnings.len(), warnings, "{text}: {:?}", model.warnings);
+    }
+}
+
+#[test]
+fn lines_of_the_header_that_nobody_knows_are_named() {
+    let header = HEADER.replace("comment by hand", "Created by a program 2.4");
+    let model = parse(&format!("{header}{VERTICES}4 0 1 2 3\n")).unwrap();
+    assert_eq!(
+        model.warnings,
+        ["test.ply: line 3: \"Created\": is not a line of a PLY header, and is left out"]
+    );
 }

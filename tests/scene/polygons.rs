@@ -205,4 +205,60 @@ fn ply_polygons_are_cut_the_same_way() {
 fn outlines_that_cross_themselves_are_named() {
     let model = as_obj(&[[8.0, 8.0, 0.0], [40.0, 30.0, 0.0], [40.0, 8.0, 0.0], [8.0, 50.0, 0.0]]);
     assert!(model.warnings[0].contains("crosses itself"), "{:?}", model.warnings);
+    let bow = [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0]];
+    let model = as_obj(&bow);
+    assert!(model.warnings[0].contains("crosses itself"), "its sides cancel: {:?}", model.warnings);
+    let line = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0], [3.0, 3.0, 3.0]];
+    assert!(as_obj(&line).warnings.is_empty(), "a line crosses nothing");
+}
+
+/// The edges of a model's triangles that no other triangle has the other way round, by place.
+fn open_edges(model: &Model) -> usize {
+    let mut edges = std::collections::BTreeMap::new();
+    for object in &model.objects {
+        for triangle in &object.mesh.triangles {
+            let [a, b, c] = triangle.map(|i| object.mesh.positions[i as usize].map(f64::to_bits));
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((from, to)).or_insert(0) += 1;
+                *edges.entry((to, from)).or_insert(0) -= 1;
+            }
+        }
+    }
+    edges.values().filter(|count| **count != 0).count()
+}
+
+/// Whatever a polygon looks like from any side, it keeps its edges: boxes of bent, crossed and spiked polygons with
+/// their other side stay closed.
+#[test]
+fn what_is_closed_stays_closed() {
+    let polygons: [&[[f64; 3]]; 5] = [
+        // Crosses itself as seen along z.
+        &[[0.0, 0.0, 0.0], [4.0, 4.0, 1.0], [4.0, 0.0, 0.0], [0.0, 5.0, 3.0]],
+        // Its fourth corner lies on a line as seen along z, and has an area of its own.
+        &[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [2.0, 4.0, 3.0], [0.0, 4.0, 0.0]],
+        &[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [2.0, 0.0, 5.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]],
+        &[[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0]],
+        &[
+            [0.0, 0.0, 0.0],
+            [9.0, 0.0, 1.0],
+            [3.0, 1.0, 0.0],
+            [4.0, 1.0, 2.0],
+            [1.0, 8.0, 0.0],
+            [1.0, 3.0, 9.0],
+        ],
+    ];
+    for corners in polygons {
+        let count = corners.len();
+        // The polygon, its other side through a point, and that point's triangles.
+        let vertices = corners.iter().chain([&[2.0, 2.0, -9.0]]);
+        let mut text: String = vertices.map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+        let face: Vec<String> = (1..=count).map(|i| i.to_string()).collect();
+        text += &format!("f {}\n", face.join(" "));
+        for i in 1..=count {
+            text += &format!("f {} {i} {}\n", i % count + 1, count + 1);
+        }
+        let model = obj::parse(text.as_bytes(), "m", &mut |_| None).unwrap();
+        assert_eq!(open_edges(&model), 0, "{corners:?}");
+        assert_eq!(model.triangles(), count - 2 + count, "{corners:?}");
+    }
 }

@@ -25,8 +25,17 @@ fn binary(head: &[u8], count: u32) -> Vec<u8> {
 fn text_and_binary_are_the_same() {
     let expected = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]];
     let returns = TEXT.replace('\n', "\r");
-    for bytes in [TEXT.as_bytes(), returns.as_bytes(), &binary(b"", 1), &binary(b"solid it is", 1)]
-    {
+    let upper = TEXT.to_uppercase();
+    let mut longer = binary(b"solid it is", 1);
+    longer.push(7);
+    for bytes in [
+        TEXT.as_bytes(),
+        returns.as_bytes(),
+        upper.as_bytes(),
+        &binary(b"", 1),
+        &binary(b"solid it is", 1),
+        &longer,
+    ] {
         let mesh = stl::parse(bytes, "a.stl").unwrap().objects[0].mesh.clone();
         assert_eq!((&mesh.positions[..], &mesh.triangles[..]), (&expected[..], &[[0, 1, 2]][..]));
     }

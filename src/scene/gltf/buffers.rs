@@ -11,10 +11,12 @@ use super::super::model::Unplaced;
 use super::json;
 use crate::error::{Error, Result};
 
-/// Exporters differ in whether they pad.
+/// As browsers read it: exporters differ in whether they pad, and in what the last bits are.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
 );
 
 /// What to do with a file of the version before.
@@ -113,7 +115,11 @@ pub(super) fn source(uri: &str) -> Unplaced<Source> {
 
 fn decode(uri: &str) -> Unplaced<Vec<u8>> {
     let (_, payload) = uri.split_once(";base64,").ok_or("uri: a data: URI must be base64")?;
-    BASE64.decode(payload).map_err(|error| format!("uri: base64: {error}"))
+    let payload: Cow<'_, str> = match payload.contains(|c: char| c.is_ascii_whitespace()) {
+        true => payload.split_ascii_whitespace().collect::<String>().into(),
+        false => payload.into(),
+    };
+    BASE64.decode(payload.as_bytes()).map_err(|error| format!("uri: base64: {error}"))
 }
 
 /// `%20` and the like in paths.

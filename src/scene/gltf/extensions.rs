@@ -37,10 +37,12 @@ const LOOKS: [&str; 13] = [
 ];
 
 /// The beginnings of names of extensions that change nothing about a picture at rest.
-const SILENT: [&str; 17] = [
+const SILENT: [&str; 19] = [
     "EXT_instance_features",
     "EXT_mesh_features",
+    "EXT_mesh_manifold",
     "EXT_structural_metadata",
+    "FB_ngon_encoding",
     "KHR_animation_",
     "KHR_audio",
     "KHR_interactivity",

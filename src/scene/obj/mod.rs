@@ -35,7 +35,8 @@ pub fn parse(
     }
     let (groups, said) = reader.finish();
     if groups.is_empty() {
-        return Err(Error::new(place, "f: there is no face; it needs at least one"));
+        let problem = "f: there is no face; it needs at least one";
+        return Err(Error::new(place, problem.to_owned() + &said.tally.reasons()));
     }
     let (looks, missing) = libraries(&said.libraries, library);
     let mut tally = said.tally;
@@ -113,6 +114,9 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, s
     })
 }
 
+/// The most words of a library's name among others.
+const MOST_WORDS: usize = 8;
+
 /// The materials of all libraries, and the names of those that are not there.
 fn libraries(
     lines: &[String],
@@ -120,7 +124,8 @@ fn libraries(
 ) -> (Vec<Look>, Vec<String>) {
     let (mut looks, mut missing) = (Vec::new(), Vec::new());
     let mut read = |name: &str, looks: &mut Vec<Look>| {
-        let slashes = name.replace('\\', "/");
+        // A backslash before a blank only keeps the name together.
+        let slashes = name.replace("\\ ", " ").replace('\\', "/");
         let found = library(name).or_else(|| (slashes != name).then(|| library(&slashes))?);
         let parsed = found.map(|bytes| mtl::parse(&bytes, name));
         let there = parsed.is_some();
@@ -139,11 +144,18 @@ fn libraries(
         if read(line, &mut looks) || (bare != line && read(bare, &mut looks)) {
             continue;
         }
-        let names = words(line);
-        for name in &names {
-            if !read(name, &mut looks) {
-                missing.push(name.clone());
-            }
+        let mut names = &words(line)[..];
+        while let [first, rest @ ..] = names {
+            // Several names, each of which may have blanks.
+            let most = names.len().min(MOST_WORDS);
+            let joined = (1..=most).rev().find(|&n| read(&names[..n].join(" "), &mut looks));
+            names = match joined {
+                Some(count) => &names[count..],
+                None => {
+                    missing.push(first.clone());
+                    rest
+                }
+            };
         }
     }
     (looks, missing)

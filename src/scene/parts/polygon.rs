@@ -4,11 +4,13 @@
 //! keeps the others exact. One that is convex there is cut into a fan from its first corner. Any other one goes to an
 //! ear cutter, whose triangles are turned to the polygon's own side. The ear cutter leaves out corners on straight lines;
 //! the triangles beside them are split there, so that all of them share whole edges and no pixel is drawn twice or not
-//! at all.
+//! at all. Where the outline, looked at like that, crosses itself, or a corner would be lost that is off the line of its
+//! neighbours in space, it is a fan: it keeps every edge, so that what is closed stays closed.
 
 use std::ops::Range;
 
 use earcut::Earcut;
+use glam::DVec3;
 
 /// A corner in the plane that is looked at.
 type Flat = [f64; 2];
@@ -36,15 +38,19 @@ impl Default for Cutter {
 }
 
 impl Cutter {
-    /// The triangles of a polygon as places in its list of corners, each turning as the polygon does; and whether their
-    /// area is the polygon's. It is not where the outline crosses itself, or has more corners than [`MOST`].
+    /// The triangles of a polygon as places in its list of corners, each turning as the polygon does; and whether they
+    /// cover it once. They need not where the outline crosses itself, or has more corners than [`MOST`].
     pub(in crate::scene) fn cut(&mut self, corners: &[[f64; 3]]) -> (Vec<[u32; 3]>, bool) {
         let count = corners.len() as u32;
         let fan = || (2..count).map(|i| [0, i - 1, i]).collect();
         if corners.len() <= 3 || corners.len() > MOST {
             return (fan(), corners.len() <= 3);
         }
-        let Some([u, v]) = plane(corners) else { return (fan(), true) };
+        // Without a side that it faces it is a line, or crosses itself.
+        let Some([u, v]) = plane(corners) else {
+            let flat = fan().iter().all(|t: &[u32; 3]| !has_area(t.map(|i| corners[i as usize])));
+            return (fan(), flat);
+        };
         let first = corners[0];
         self.flat.clear();
         self.flat.extend(corners.iter().map(|c| [c[u] - first[u], c[v] - first[v]]));
@@ -61,7 +67,8 @@ impl Cutter {
         self.split(&mut triangles);
         let covered: f64 = triangles.iter().map(|&t| self.turn(t).abs()).sum();
         let same = (covered - whole.abs()).abs() <= SAME * whole.abs();
-        if triangles.is_empty() { (fan(), same) } else { (triangles, same) }
+        let whole = same && !triangles.is_empty() && !loses(corners, &triangles);
+        if whole { (triangles, true) } else { (fan(), false) }
     }
 
     fn turn(&self, triangle: [u32; 3]) -> f64 {
@@ -100,6 +107,28 @@ impl Cutter {
         let inside: Range<f64> = f64::MIN_POSITIVE..1.0;
         far <= NEAR * square && inside.contains(&share)
     }
+}
+
+/// Whether triangles leave out a corner that is off the line of its neighbours in space.
+fn loses(corners: &[[f64; 3]], triangles: &[[u32; 3]]) -> bool {
+    if triangles.len() + 2 >= corners.len() {
+        return false;
+    }
+    let mut used = vec![false; corners.len()];
+    triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
+    let count = corners.len();
+    let lost = |i: usize| {
+        let three = [count - 1, 0, 1].map(|step| corners[(i + step) % count]);
+        !used[i] && has_area(three)
+    };
+    (0..count).any(lost)
+}
+
+/// Whether three places are no line.
+fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let [p, q] = [b, c].map(|end| DVec3::from(end) - DVec3::from(a));
+    let longest = p.length().max(q.length());
+    p.cross(q).length() > NEAR * (longest * longest)
 }
 
 /// The direction that a polygon faces, as long as twice its area.

@@ -15,6 +15,13 @@ impl Tally {
         }
     }
 
+    /// Why nothing is left, for the error that says so; empty where nothing was left out.
+    pub(in crate::scene) fn reasons(&self) -> String {
+        let reasons = self.kinds.iter().map(|(kind, first, _)| format!("{first}: {kind}"));
+        let reasons: Vec<String> = reasons.collect();
+        if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) }
+    }
+
     /// One sentence for each kind.
     pub(in crate::scene) fn warnings(self, place: &str) -> Vec<String> {
         let sentence = |(kind, first, count): (&str, String, usize)| match count {

@@ -66,6 +66,7 @@ impl Faces {
                 kind => payload.skip(kind).map_err(wrong)?,
             }
         }
+        payload.end_row();
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The header: what elements there are, and of what their properties are.
 
 use super::super::model::Unplaced;
-use super::super::parts::decode;
+use super::super::parts::{Tally, decode};
 
 /// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +118,7 @@ impl Element {
 
 impl Header {
     /// Reads lines that end in LF, CR or both, up to `end_header`.
-    pub(super) fn read(bytes: &[u8]) -> Unplaced<Self> {
+    pub(super) fn read(bytes: &[u8], tally: &mut Tally) -> Unplaced<Self> {
         let (mut encoding, mut elements) = (None, Vec::new());
         let (mut end, mut line, mut bare_returns) = (0, 0, false);
         loop {
@@ -143,6 +143,14 @@ impl Header {
                 let encoding = encoding.ok_or("header: format is missing")?;
                 return Ok(Self { encoding, elements, end, lines: line });
             }
+            if let [word, ..] = words[..]
+                && !KNOWN.contains(&word)
+            {
+                tally.add("is not a line of a PLY header, and is left out", || {
+                    format!("line {line}: {:?}", word.chars().take(40).collect::<String>())
+                });
+                continue;
+            }
             statement(&words, &mut encoding, &mut elements)
                 .map_err(|problem| format!("line {line}: {problem}"))?;
         }
@@ -156,6 +164,9 @@ impl Header {
         self.elements.iter().find(|element| element.name == name)
     }
 }
+
+/// The words that lines of a header begin with.
+const KNOWN: [&str; 6] = ["ply", "comment", "obj_info", "format", "element", "property"];
 
 fn statement(
     words: &[&str],

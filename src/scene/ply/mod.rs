@@ -34,9 +34,9 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
 pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> {
     let wrong = |problem: String| Error::new(place, problem);
     let bytes = without_mark(bytes);
-    let header = Header::read(bytes).map_err(wrong)?;
-    header.check(bytes.len()).map_err(wrong)?;
     let mut tally = Tally::default();
+    let header = Header::read(bytes, &mut tally).map_err(wrong)?;
+    header.check(bytes.len()).map_err(wrong)?;
     let mut payload = Payload::new(bytes, &header);
     let drawn = header.has_faces();
     let (mut table, mut faces) = (Table::default(), Faces::default());
@@ -56,6 +56,11 @@ pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> 
         if element.name == "edge" && element.count > 0 {
             tally.add("edges are not drawn", || format!("element edge {}", element.count));
         }
+    }
+    if let Some(line) = payload.beyond() {
+        tally.add("what follows the values of the header's properties is left out", || {
+            format!("line {line}")
+        });
     }
     let mut model = match drawn {
         true => mesh(&table, &faces, &mut tally, place)?,
@@ -146,6 +151,7 @@ fn vertices(payload: &mut Payload<'_>, element: &Element, tally: &mut Tally) -> 
             };
             table.set(row, column, value);
         }
+        payload.end_row();
     }
     Ok(table)
 }
@@ -157,6 +163,7 @@ fn skip(payload: &mut Payload<'_>, element: &Element) -> Unplaced<()> {
                 format!("{} {row}: {}: {problem}", element.name, property.name)
             })?;
         }
+        payload.end_row();
     }
     Ok(())
 }

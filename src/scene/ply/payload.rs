@@ -9,12 +9,39 @@ pub(super) struct Payload<'a> {
     encoding: Encoding,
     /// Of text: the number of the line.
     line: usize,
+    /// Of text: there are as many lines as elements, so that each has its own.
+    by_lines: bool,
+    /// The first line with more on it than its element has.
+    beyond: Option<usize>,
 }
 
 impl<'a> Payload<'a> {
     pub(super) fn new(bytes: &'a [u8], header: &Header) -> Self {
         let left = bytes.get(header.end..).unwrap_or_default();
-        Self { left, encoding: header.encoding, line: header.lines + 1 }
+        let lines = || left.split(|b| matches!(b, b'\n' | b'\r'));
+        let filled = || lines().filter(|line| !line.trim_ascii().is_empty()).count();
+        let elements = header.elements.iter().fold(0, |sum: usize, e| sum.saturating_add(e.count));
+        let by_lines = header.encoding == Encoding::Text && filled() >= elements;
+        let (encoding, line) = (header.encoding, header.lines + 1);
+        Self { left, encoding, line, by_lines, beyond: None }
+    }
+
+    /// After an element: what else is on its line is left out, if each has a line of its own.
+    pub(super) fn end_row(&mut self) {
+        if !self.by_lines {
+            return;
+        }
+        let end = self.left.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        let (rest, left) = self.left.split_at(end.unwrap_or(self.left.len()));
+        if !rest.trim_ascii().is_empty() {
+            self.beyond.get_or_insert(self.line);
+        }
+        self.left = left;
+    }
+
+    /// The first line of which something was left out.
+    pub(super) fn beyond(&self) -> Option<usize> {
+        self.beyond
     }
 
     /// The next number. All but the largest integers of 8 bytes fit into an f64.

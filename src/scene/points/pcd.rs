@@ -1,4 +1,4 @@
-//! Point Cloud Library PCD, version .6 and .7: a header of lines, then the points as text, as bytes, or as bytes
+//! Point Cloud Library PCD of any version: a header of lines, then the points as text, as bytes, or as bytes
 //! compressed with LZF, then one field after another.
 //!
 //! Fields that are read: `x y z`, `normal_x normal_y normal_z`, `rgb` or `rgba` (four bytes: blue, green, red and, of
@@ -96,9 +96,7 @@ impl Header {
                 _ => Err(format!("{key}: needs one number")),
             };
             match key {
-                "VERSION" if !matches!(words[..], [".6" | "0.6" | ".7" | "0.7"]) => {
-                    return Err("VERSION: must be .6 or .7".to_owned());
-                }
+                // The library does not look at the version, either.
                 "VERSION" | "VIEWPOINT" => {}
                 "FIELDS" | "COLUMNS" => {
                     fields = words.iter().map(|&word| word.to_owned()).collect();
@@ -203,11 +201,16 @@ impl Header {
                     None => return Err(format!("point {row}: is missing")),
                 }
             };
-            let mut words = line.split_whitespace();
+            let words: Vec<&str> = line.split_whitespace().collect();
+            if words.len() != values {
+                // The library leaves such a point out: it has no place.
+                fill.table.set(row, 0, f64::NAN);
+                continue;
+            }
+            let mut words = words.into_iter();
             for field in &self.fields {
                 for i in 0..field.count {
-                    let word = words.next();
-                    let word = word.ok_or_else(|| format!("point {row}: has too few values"))?;
+                    let word = words.next().unwrap_or_default();
                     if i == 0 && field.meaning != Meaning::Skipped {
                         let value = text_number(word, field).ok_or_else(|| {
                             format!("point {row}: {:?} is not a number of its type", clipped(word))
@@ -215,9 +218,6 @@ impl Header {
                         fill.set(row, field.meaning, value);
                     }
                 }
-            }
-            if words.next().is_some() {
-                return Err(format!("point {row}: has too many values"));
             }
         }
         Ok(())
@@ -361,7 +361,7 @@ fn layout(
     counts: &[usize],
 ) -> Unplaced<Vec<Field>> {
     for (key, found) in [("SIZE", sizes.len()), ("TYPE", types.len())] {
-        if found != names.len() {
+        if found != names.len() && found > 0 {
             return Err(format!("{key}: has {found} values for {} FIELDS", names.len()));
         }
     }
@@ -369,7 +369,9 @@ fn layout(
         return Err(format!("COUNT: has {} values for {} FIELDS", counts.len(), names.len()));
     }
     let field = |(i, name): (usize, &String)| {
-        let (kind, size) = (types[i], sizes[i]);
+        // Without these lines, all are floats of 4 bytes.
+        let kind = types.get(i).copied().unwrap_or(Kind::Float);
+        let size = sizes.get(i).copied().unwrap_or(4);
         let field = clipped(name);
         if !matches!(
             (kind, size),
