@@ -15,7 +15,7 @@ use crate::raster::Grid;
 use crate::resolve::compact::Compact;
 use crate::resolve::composite::Ray;
 use crate::resolve::{Kept, Lists};
-use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, Single, exact};
+use crate::scheme::{Depth, Held, HeldKind, Keeps, Light, Record, Records, Scale, Single, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -177,12 +177,19 @@ impl<'a> Finisher<'a> {
     /// The next pixel: its fragments in any order, and its counts.
     #[inline]
     pub fn keys(&mut self, keys: &mut [u64], generated: u32, gone: u32) {
-        self.singles(keys, generated, gone, 0);
+        self.singles(keys, Scale::default(), generated, gone, 0);
     }
 
     /// What is one fragment each, and how many fragments were merged into others.
     #[inline]
-    fn singles<T: Single>(&mut self, all: &mut [T], generated: u32, gone: u32, merged: u32) {
+    fn singles<T: Single>(
+        &mut self,
+        all: &mut [T],
+        scale: Scale,
+        generated: u32,
+        gone: u32,
+        merged: u32,
+    ) {
         self.job.sort.run(all);
         let mut ray = Ray::default();
         for one in all.iter() {
@@ -193,7 +200,7 @@ impl<'a> Finisher<'a> {
         }
         match &mut self.output.column {
             Column::Keys(keys) => keys.extend(all.iter().map(|one| one.key())),
-            Column::Records(records) => records.singles(all),
+            Column::Records(records) => records.singles(all, scale),
             Column::Lights(_) | Column::Depths(_) => {}
         }
         self.output.colors.push(ray.finish(self.job.background));
@@ -206,12 +213,13 @@ impl<'a> Finisher<'a> {
         if !records.wholes.is_empty() {
             records.unite();
         }
-        let Records { list, surfaces, wholes, merged } = records;
+        let Records { list, surfaces, wholes, scale, merged } = records;
+        let scale = *scale;
         match (list.is_empty(), wholes.is_empty()) {
-            (true, true) => self.singles(surfaces, generated, gone, *merged),
-            (true, false) => self.singles(wholes, generated, gone, *merged),
-            (false, true) => self.mixed(list, surfaces, generated, gone, *merged),
-            (false, false) => self.mixed(list, wholes, generated, gone, *merged),
+            (true, true) => self.singles(surfaces, scale, generated, gone, *merged),
+            (true, false) => self.singles(wholes, scale, generated, gone, *merged),
+            (false, true) => self.mixed(list, (surfaces, scale), generated, gone, *merged),
+            (false, false) => self.mixed(list, (wholes, scale), generated, gone, *merged),
         }
     }
 
@@ -219,7 +227,7 @@ impl<'a> Finisher<'a> {
     fn mixed<T: Single>(
         &mut self,
         list: &mut [Record],
-        singles: &mut [T],
+        (singles, scale): (&mut [T], Scale),
         generated: u32,
         gone: u32,
         merged: u32,
@@ -229,10 +237,10 @@ impl<'a> Finisher<'a> {
         let Column::Records(all) = &mut self.output.column else { return };
         let (mut ray, mut rest) = (Ray::default(), &*singles);
         for record in list.iter().map(Some).chain([None]) {
-            let is_before = |one: T| record.is_none_or(|record| is_before(one, record));
+            let is_before = |one: T| record.is_none_or(|record| is_before(one, scale, record));
             let (before, behind) = rest.split_at(rest.partition_point(|&one| is_before(one)));
             before.iter().for_each(|one| ray.over(data_of(one.key())));
-            all.singles(before);
+            all.singles(before, scale);
             rest = behind;
             if let Some(record) = record {
                 ray.over_record(record);
@@ -287,9 +295,9 @@ impl<'a> Finisher<'a> {
 
 /// Whether a fragment comes before a record in canonical order.
 #[inline]
-fn is_before(one: impl Single, record: &Record) -> bool {
+fn is_before(one: impl Single, scale: Scale, record: &Record) -> bool {
     match depth_of(one.key()).cmp(&record.depth) {
-        Ordering::Equal => one.record() < *record,
+        Ordering::Equal => one.record(scale) < *record,
         order => order == Ordering::Less,
     }
 }

@@ -96,6 +96,9 @@ impl Viewpoint {
         if *self == Self::default() {
             return Ok(own.unwrap_or_else(|| Camera::frame(bounds, size)));
         }
+        if self.up.is_some_and(|up| DVec3::from(up).try_normalize().is_none()) {
+            return Err(Error::new("--up", "must be a direction, not zero, finite"));
+        }
         let named = self.camera.as_deref().map(|name| find(cameras, name)).transpose()?;
         let named = named.map(|camera| camera.place(bounds));
         let mut camera = match named.or(own).filter(|_| self.side.is_none()) {

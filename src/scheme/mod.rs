@@ -39,7 +39,7 @@ use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
 pub use held::{Depth, Held, HeldKind, Holds, Keys, Light};
-pub use record::{Record, Records, Single, Whole};
+pub use record::{Record, Records, Scale, Single, Whole};
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};

@@ -4,6 +4,7 @@
 use std::cmp::Ordering;
 
 use crate::fragment::{data_of, depth_of};
+use crate::num::planes::Distances;
 
 /// What one fragment, or several merged ones, contribute along the ray. Two are equal if their bits are.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,29 +19,36 @@ pub struct Record {
     pub weight: f64,
 }
 
-/// A record of one fragment of any thickness, in few bytes. Two are equal if their bits are.
-#[derive(Clone, Copy, Debug)]
+/// A record of one fragment of any thickness, in few bytes; in the canonical order of their records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Whole {
-    key: u64,
-    thickness: f64,
+    /// The depth of its far end, and its colour word.
+    pub key: u64,
+    /// The depth word of its near end, at most that of its far end.
+    pub near: u32,
 }
 
-/// A record of one fragment, in few bytes: its key with the colour word, and its thickness if it may have one. In their
-/// own order, these are in the canonical order of their records.
+/// How depth words stand for distances, for records that keep their ends as depth words. It is the same for all records
+/// of a run, so that no comparison looks at it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scale(pub Distances);
+
+/// A record of one fragment, in few bytes: its key with the colour word, and its near end if it may be thick.
 pub trait Single: Copy + Ord {
-    /// It may have a thickness.
+    /// It may be thick.
     const THICK: bool;
 
     /// Its depth and colour word.
     fn key(self) -> u64;
 
-    /// As of [`Record`].
-    fn thickness(self) -> f64;
+    /// The depth word of its near end.
+    fn near(self) -> u32;
 
     /// Spelt out.
     #[inline]
-    fn record(self) -> Record {
-        Record { thickness: self.thickness(), ..Record::of_key(self.key()) }
+    fn record(self, scale: Scale) -> Record {
+        let thickness = scale.between(self.near(), depth_of(self.key()));
+        Record { thickness, ..Record::of_key(self.key()) }
     }
 }
 
@@ -54,6 +62,8 @@ pub struct Records {
     pub surfaces: Vec<u64>,
     /// More of them, in any order: what is one fragment and no surface.
     pub wholes: Vec<Whole>,
+    /// How thick those are.
+    pub scale: Scale,
     /// Fragments that went into another record during resolve: those that no store invocation has reported as
     /// [`Outcome::Merged`](super::Outcome).
     pub merged: u32,
@@ -68,7 +78,7 @@ impl Records {
 
     /// Let all that are one fragment be of one kind.
     pub fn unite(&mut self) {
-        self.wholes.extend(self.surfaces.drain(..).map(|key| Whole::new(key, 0.0)));
+        self.wholes.extend(self.surfaces.drain(..).map(Whole::surface));
     }
 
     /// Forget all of them, and keep the capacity.
@@ -84,6 +94,7 @@ impl Records {
         self.list.append(&mut more.list);
         self.surfaces.append(&mut more.surfaces);
         self.wholes.append(&mut more.wholes);
+        self.scale = more.scale;
         self.merged += more.merged;
     }
 
@@ -102,37 +113,76 @@ impl Records {
 
     /// All of them, in any order.
     pub fn spelt_out(&self) -> impl Iterator<Item = Record> + '_ {
-        let surfaces = self.surfaces.iter().map(|key| key.record());
-        let wholes = self.wholes.iter().map(|whole| whole.record());
+        let surfaces = self.surfaces.iter().map(|key| key.record(self.scale));
+        let wholes = self.wholes.iter().map(|whole| whole.record(self.scale));
         self.list.iter().copied().chain(surfaces).chain(wholes)
     }
 
     /// Put all of them into the list, in canonical order.
     pub fn sort(&mut self) {
-        self.list.extend(self.surfaces.drain(..).map(Single::record));
-        self.list.extend(self.wholes.drain(..).map(Single::record));
+        let scale = self.scale;
+        self.list.extend(self.surfaces.drain(..).map(|key| key.record(scale)));
+        self.list.extend(self.wholes.drain(..).map(|whole| whole.record(scale)));
         self.list.sort_unstable();
     }
 }
 
 impl Whole {
-    /// One fragment: a key with a colour word, and its thickness.
+    /// One fragment that is a surface: a key with a colour word.
     #[inline]
     #[must_use]
-    pub fn new(key: u64, thickness: f64) -> Self {
-        // What cannot be seen has no colour, so that keys compare as records do.
-        let color = if data_of(key) >> 24 == 0 { 0 } else { u64::from(u32::MAX) };
-        Self { key: key & (u64::from(u32::MAX) << 32 | color), thickness }
+    pub fn surface(key: u64) -> Self {
+        Self { key, near: depth_of(key) }
     }
+}
 
-    fn bits(&self) -> [u64; 2] {
-        [self.key, self.thickness.to_bits()]
+impl PartialOrd for Whole {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
+}
 
+impl Ord for Whole {
+    /// What cannot be seen has no colour; what is nearer at its near end is thicker.
     #[inline]
-    fn order(&self, other: &Self) -> Ordering {
-        self.key.cmp(&other.key).then_with(|| self.bits().cmp(&other.bits()))
+    fn cmp(&self, other: &Self) -> Ordering {
+        let seen = |key: u64| if data_of(key) >> 24 == 0 { key >> 32 << 32 } else { key };
+        let rest = || other.near.cmp(&self.near).then_with(|| self.key.cmp(&other.key));
+        seen(self.key).cmp(&seen(other.key)).then_with(rest)
     }
+}
+
+impl Scale {
+    /// World units from a near end to a far end, both depth words.
+    #[inline]
+    #[must_use]
+    pub fn between(self, near: u32, depth: u32) -> f64 {
+        if near < depth { self.0.along(depth) - self.0.along(near) } else { 0.0 }
+    }
+}
+
+impl PartialEq for Scale {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Scale {}
+
+impl PartialOrd for Scale {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Scale {
+    fn cmp(&self, _: &Self) -> Ordering {
+        Ordering::Equal
+    }
+}
+
+impl std::hash::Hash for Scale {
+    fn hash<H: std::hash::Hasher>(&self, _: &mut H) {}
 }
 
 impl Single for Whole {
@@ -144,8 +194,8 @@ impl Single for Whole {
     }
 
     #[inline]
-    fn thickness(self) -> f64 {
-        self.thickness
+    fn near(self) -> u32 {
+        self.near
     }
 }
 
@@ -159,8 +209,8 @@ impl Single for u64 {
     }
 
     #[inline]
-    fn thickness(self) -> f64 {
-        0.0
+    fn near(self) -> u32 {
+        depth_of(self)
     }
 }
 
@@ -239,7 +289,7 @@ macro_rules! compared_by_bits {
 
 pub(super) use compared_by_bits;
 
-compared_by_bits! { Record Whole }
+compared_by_bits! { Record }
 
 #[cfg(test)]
 mod tests {
@@ -271,14 +321,15 @@ mod tests {
     fn single_fragments_have_the_order_of_their_records() {
         let words = [0x8000_FF01, 0xFF01_80FF, 0x00FF_0000, 0x0000_00FF, 0];
         let all = [3, 4].into_iter().flat_map(|depth| words.map(|word| key(depth, word)));
-        let wholes = all.flat_map(|key| [0.5, 0.0, 0.25].map(|t| Whole::new(key, t)));
+        let wholes = all.flat_map(|key| [1, 3, 2].map(|near| Whole { key, near }));
         let mut records =
             Records { wholes: wholes.collect(), surfaces: vec![key(3, 255)], ..Records::default() };
+        let scale = records.scale;
         let mut spelt_out = records.clone();
         spelt_out.sort();
         records.unite();
         records.wholes.sort_unstable();
-        let found: Vec<Record> = records.wholes.iter().map(|whole| whole.record()).collect();
+        let found: Vec<Record> = records.wholes.iter().map(|whole| whole.record(scale)).collect();
         assert_eq!((found, spelt_out.wholes.len()), (spelt_out.list, 0));
     }
 }

@@ -164,7 +164,11 @@ fn bad_scene_files_are_named() {
         ("size = [64, 32]", "size = [64, 0]", "size: 64x0 is not within"),
         ("size = [64, 32]", "size = [64, 16385]", "size: 64x16385 is not within"),
         ("size = [64, 32]", "size = [64]", "line 2: size: is a list of 1, and must be a list of 2"),
-        ("size = [64, 32]", "sise = [64, 32]", "line 2: sise is no key here; there are size, background"),
+        (
+            "size = [64, 32]",
+            "sise = [64, 32]",
+            "line 2: sise is no key here; there are size, background",
+        ),
         ("size = [64, 32]", "size = [", "line "),
         ("0.5, 1.0]\n\n[camera]", "0.5, 1.5]\n\n[camera]", "background: 1.5 is not within 0 to 1"),
         ("eye = [0, 0, 4]", "eye = [0, 0, 0]", "camera.target: must be apart from camera.eye"),
@@ -184,7 +188,11 @@ fn bad_scene_files_are_named() {
         ("ambient = 0.5", "ambient = 2", "light.ambient: 2 is not within 0 to 1"),
         ("alpha = 0.4", "alpha = -0.5", "material \"glass\": alpha: -0.5 is not within"),
         ("[0.2, 0.6, 0.9]", "[0.2, 0.6, 9]", "material \"glass\": color: 9 is not within"),
-        ("\"gooch\"", "\"phong\"", "line 21: shading: is phong, and must be one of flat, lambert, gooch"),
+        (
+            "\"gooch\"",
+            "\"phong\"",
+            "line 21: shading: is phong, and must be one of flat, lambert, gooch",
+        ),
         ("material = \"glass\"", "material = \"glas\"", "object 0: material: there is no \"glas\""),
         (
             "[[object]]\nfile",

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use super::sums::{self, Logarithms, Mix, Sums};
 use crate::fragment::key;
 use crate::num::planes::Distances;
-use crate::scheme::{Record, Records, Whole};
+use crate::scheme::{Record, Records, Scale, Whole};
 
 /// A fragment's slab as it is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,7 +60,7 @@ impl Merged {
     #[must_use]
     pub fn record<M: Mix>(&self, distances: &Distances) -> Record {
         let Self { near, depth, sums } = *self;
-        let thickness = thickness(near, depth, distances);
+        let thickness = Scale(*distances).between(near, depth);
         Record { depth, thickness, rgba: M::rgba(sums), weight: sums::weight(sums).into() }
     }
 }
@@ -115,7 +115,7 @@ pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
 /// Records as they leave a method, with the fragments merged into others.
 #[must_use]
 pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
-    let mut records = Records::default();
+    let mut records = Records { scale: Scale(*distances), ..Records::default() };
     all.iter().for_each(|merged| add::<M>(&mut records, merged, distances));
     records
 }
@@ -126,29 +126,22 @@ pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
 pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
     let Merged { near, depth, sums } = *merged;
     match M::exact(sums) {
-        Some(word) => alone(records, Stored { depth, data: word, near }, distances),
+        Some(word) => alone(records, Stored { depth, data: word, near }),
         None => records.list.push(merged.record::<M>(distances)),
     }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
 }
 
-/// Add a fragment that is a record of its own.
+/// Add a fragment that is a record of its own; [`Records::scale`] says how thick it is.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "once for every record")]
-pub fn alone(records: &mut Records, slab: Stored, distances: &Distances) {
+pub fn alone(records: &mut Records, slab: Stored) {
     let key = key(slab.depth, slab.data);
     if slab.is_thick() {
-        let thickness = thickness(slab.near, slab.depth, distances);
-        records.wholes.push(Whole::new(key, thickness));
+        records.wholes.push(Whole { key, near: slab.near });
     } else {
         records.surfaces.push(key);
     }
-}
-
-/// How far it is from the near end of a slab to its far end.
-#[inline]
-fn thickness(near: u32, depth: u32, distances: &Distances) -> f64 {
-    if near < depth { distances.along(depth) - distances.along(near) } else { 0.0 }
 }
 
 /// Whether at most `most` of these slabs, in canonical order, lie apart from each other: then no more records than that

@@ -10,7 +10,7 @@
 
 use std::marker::PhantomData;
 
-use super::components::{Stored, add, alone, components, with_tail};
+use super::components::{Stored, add, components, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, merging};
@@ -20,7 +20,7 @@ use crate::num::planes::Distances;
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
 use crate::scheme::parts::ranges;
-use crate::scheme::{Config, Contract, Outcome, Record, Records, Scheme};
+use crate::scheme::{Config, Contract, Outcome, Record, Records, Scale, Scheme, Whole};
 
 /// What resolve makes of a pixel's fragments.
 pub trait Merge: Send + Sync + Sized + 'static {
@@ -117,56 +117,63 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
-        let mut records = Records::default();
+        let mut records = Records { scale: Scale(self.distances), ..Records::default() };
         self.merge.promised(&stored(generated), self.most, &mut records);
         Some(records)
     }
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
         let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
-        let mut thick = Vec::new();
-        let length = range.end - range.start;
+        let length = (range.end - range.start) as usize;
         for record in range {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
             if near < depth_of(key) || M::CLOSED {
                 // Room for all at once, and none where all are surfaces.
-                thick.reserve(length as usize - thick.len());
-                thick.push(Stored { depth: depth_of(key), data: data_of(key), near });
+                out.wholes.reserve(length - out.wholes.len());
+                out.wholes.push(Whole { key, near });
             } else {
                 out.surfaces.push(key);
             }
         }
-        self.reduce(thick, out);
+        self.reduce(out);
     }
 }
 
 impl<M: Merge> DfbMerged<M> {
-    /// Merge `thick` slabs with the surfaces that are already records. Where all lie apart, each stays a record as long
-    /// as there is room: the last record is for all that have none. A surface overlaps nothing.
+    /// Merge a pixel's fragments. Where all lie apart, each stays a record as long as there is room: the last record is
+    /// for all that have none. A surface overlaps nothing.
     #[inline]
-    fn reduce(&self, mut thick: Vec<Stored>, out: &mut Records) {
+    fn reduce(&self, out: &mut Records) {
         let most = self.most as usize;
-        if thick.is_empty() && out.surfaces.len() <= most {
+        if out.wholes.is_empty() && out.surfaces.len() <= most {
             return;
         }
-        let stay = if thick.is_empty() { most - 1 } else { 0 };
-        out.surfaces.sort_unstable();
-        let surface =
-            |key| Stored { depth: depth_of(key), data: data_of(key), near: depth_of(key) };
-        thick.extend(out.surfaces.drain(stay..).map(surface));
-        thick.sort_unstable();
-        let apart = !M::CLOSED && thick.windows(2).all(|two| two[0].depth <= two[1].near);
-        let room = most - stay;
-        let stay = match apart {
-            true if thick.len() <= room => thick.len(),
-            true => room - 1,
-            false => 0,
-        };
-        thick[..stay].iter().for_each(|&slab| alone(out, slab, &self.distances));
-        if stay < thick.len() {
-            self.merge.merge(&thick[stay..], (room - stay) as u32, out);
+        out.scale = Scale(self.distances);
+        if out.wholes.is_empty() {
+            out.surfaces.sort_unstable();
+            let rest = out.surfaces.drain(most - 1..).map(|key| Whole::surface(key).into());
+            let rest: Vec<Stored> = rest.collect();
+            return self.merge.merge(&rest, 1, out);
         }
+        out.unite();
+        out.wholes.sort_unstable();
+        let apart = |two: &[Whole]| depth_of(two[0].key) <= two[1].near;
+        let apart = !M::CLOSED && out.wholes.windows(2).all(apart);
+        let (stay, room) = match apart {
+            true if out.wholes.len() <= most => return,
+            true => (most - 1, 1),
+            false => (0, most),
+        };
+        let mut rest: Vec<Stored> = out.wholes.drain(stay..).map(Stored::from).collect();
+        rest.sort_unstable();
+        self.merge.merge(&rest, room as u32, out);
+    }
+}
+
+impl From<Whole> for Stored {
+    fn from(Whole { key, near }: Whole) -> Self {
+        Self { depth: depth_of(key), data: data_of(key), near }
     }
 }
 

@@ -33,7 +33,7 @@ use crate::memory::{Access, Inputs, Layout, Memory, Order, Pixel, Plain, Words, 
 use crate::num::planes::Distances;
 use crate::scheme::contract::{Dependence, Form, Overflow};
 use crate::scheme::parts::lock::{self, FREE, SpinLock};
-use crate::scheme::{Config, Contract, Outcome, Records, Scheme};
+use crate::scheme::{Config, Contract, Outcome, Records, Scale, Scheme};
 
 /// What differs between the forms.
 pub trait Kind: Send + Sync + 'static {
@@ -156,6 +156,7 @@ impl<K: Kind> Scheme for SkbOfm<K> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, out: &mut Records) {
+        out.scale = Scale(self.distances);
         let count = mem.plain_load(self.count.at(pixel, 0)).await;
         for i in 0..count.min(self.k - 1) {
             let record = merged(self.get(mem, pixel, i).await);
