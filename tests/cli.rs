@@ -145,7 +145,7 @@ fn outputs_are_checked_before_anything_runs() {
     run.is_error(&["--record:", "no/schedule"]);
     dir.run("render missing.obj -o .").is_error(&["-o:"]);
     dir.run("render missing.obj -o a.png --stats ./a.png").is_error(&["--stats:", "-o"]);
-    dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png or .ppm"]);
+    dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png, .ppm, .pfm or .exr"]);
     dir.run("render missing.obj -o - --json").is_error(&["--json:", "stdout"]);
     dir.run("compare missing.obj -o no/folder").is_error(&["-o:", "no/folder"]);
     fs::write(dir.path("file"), "kept").unwrap();

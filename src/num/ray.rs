@@ -89,16 +89,23 @@ impl Ray {
         Self { color: [r, g, b], transmittance }
     }
 
+    /// Meet the background: the linear light that reaches the eye.
+    #[inline]
+    #[must_use]
+    pub fn before(self, background: [u16; 3]) -> [u16; 3] {
+        std::array::from_fn(|i| {
+            let behind =
+                (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
+            (self.color[i] + behind as u32).min(65_535) as u16
+        })
+    }
+
     /// Meet the background, and encode to an opaque sRGB pixel.
     #[inline]
     #[must_use]
     pub fn finish(self, background: [u16; 3]) -> [u8; 4] {
-        let channel = |i: usize| {
-            let behind =
-                (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
-            srgb((self.color[i] + behind as u32).min(65_535) as u16)
-        };
-        [channel(0), channel(1), channel(2), 255]
+        let [r, g, b] = self.before(background).map(srgb);
+        [r, g, b, 255]
     }
 
     /// Nothing behind can be seen any more.

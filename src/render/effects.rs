@@ -1,6 +1,6 @@
 //! Applying an effect to a frame, and what it adds to the frame's report.
 
-use super::{Effect, Options, Report, no_lists};
+use super::{Effect, Options, Report, linear, no_lists};
 use crate::effect::layers::Layers;
 use crate::effect::ldi::Voxels;
 use crate::effect::{self, Made, Stage};
@@ -42,6 +42,7 @@ pub(super) fn make(
 pub(super) fn check(options: &Options, scene: &Scene) -> Result<()> {
     options.effect.check(scene)?;
     options.volumes.check(scene)?;
+    linear::check(options, scene)?;
     let holds = options.method.holds();
     let layered = matches!(holds, HeldKind::Fragments | HeldKind::Records);
     if !scene.volumes.is_empty() && !layered {

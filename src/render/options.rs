@@ -47,6 +47,9 @@ pub struct Options {
     pub cull_face: CullFace,
     /// What is made from the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
     pub effect: Effect,
+    /// Give the picture in 16 bits of linear light as well. For surfaces that are composited: without volumes, and
+    /// with [`Effect::Transparency`].
+    pub linear: bool,
     /// How rays go through the scene's volumes.
     pub volumes: Marching,
     /// Shadows by a second frame, from the light.
@@ -94,6 +97,7 @@ impl Default for Options {
             data: Data::Color,
             cull_face: CullFace::None,
             effect: Effect::default(),
+            linear: false,
             volumes: Marching::default(),
             shadows: None,
             counters: true,
