@@ -93,6 +93,48 @@ fn stdout_and_frames_have_them_too() {
     assert_ne!(dir.read("turn-0000.pfm"), dir.read("turn-0001.pfm"));
 }
 
+/// Opaque red, green of opacity 128 / 255 over nothing, and nothing: what is there in closed form.
+#[test]
+fn a_transparent_picture_keeps_its_opacity() {
+    let dir = Dir::new();
+    let square = |x: f64, color: &str| {
+        let corner = |x: f64, y: f64| format!("[{x:.1}, {y:.1}, 0.5]");
+        let [a, b, c, d] =
+            [corner(x, 0.0), corner(x + 2.0, 0.0), corner(x + 2.0, 2.0), corner(x, 2.0)];
+        let triangle = |p: &str, q: &str, r: &str| {
+            format!("[[screen]]\npoints = [{p}, {q}, {r}]\ncolor = {color}\n")
+        };
+        triangle(&a, &b, &c) + &triangle(&a, &c, &d)
+    };
+    let scene = "size = [6, 2]\nbackground = [0.2, 0.4, 0.6]\n".to_owned()
+        + &square(0.0, "[1.0, 0.0, 0.0, 1.0]")
+        + &square(2.0, "[0.0, 1.0, 0.0, 0.5]");
+    std::fs::write(dir.path("s.toml"), scene).unwrap();
+    let hash = |line: &str| {
+        let run = dir.run(&format!("render s.toml -m ab-ll --json {line}"));
+        assert_eq!(run.code, 0, "{run:?}");
+        run.json()["image_hash"].clone()
+    };
+    let alone = hash("--transparent -o a.png");
+    assert_eq!(
+        [hash("--transparent -o b.png --bits 16"), hash("--transparent")],
+        [(); 2].map(|()| alone.clone())
+    );
+    assert_eq!(hash("--transparent -o c.exr"), alone);
+    assert_ne!(hash("-o whole.png"), alone);
+    let row = |pixels: [[u16; 4]; 3]| pixels.map(|pixel| [pixel; 2]).concat().concat().repeat(2);
+    let bytes = [[255, 0, 0, 255], [0, 255, 0, 128], [0; 4]];
+    assert_eq!(png(&dir.read("a.png")), (row(bytes), 8));
+    let words = [[65_535, 0, 0, 65_535], [0, 65_535, 0, 128 * 257], [0; 4]];
+    assert_eq!(png(&dir.read("b.png")), (row(words), 16));
+    let half = 128.0 / 255.0;
+    let light = [[1.0, 0.0, 0.0, 1.0], [0.0, half, 0.0, half], [0.0; 4]];
+    assert_eq!(exr(dir.read("c.exr")), light.map(|pixel| [pixel; 2]).concat().repeat(2));
+    let whole = png(&dir.read("whole.png")).0;
+    assert_eq!((whole[3], whole[11], whole[23]), (255, 255, 255), "the background is opaque");
+    assert_ne!(whole[16..19], [0; 3]);
+}
+
 #[test]
 fn what_does_not_fit_is_one_message() {
     let dir = Dir::new();
@@ -107,6 +149,11 @@ fn what_does_not_fit_is_one_message() {
         ("cubes -o a.exr --bits 16", &["--bits:", ".png", "a.exr"]),
         ("cubes -o a.ppm --bits 16", &["--bits:", ".png", "a.ppm"]),
         ("cubes --bits 16", &["--bits:", "-o"]),
+        ("cubes -o a.ppm --transparent", &["--transparent:", "a.ppm", "opacity", ".png or .exr"]),
+        ("cubes -o a.pfm --transparent", &["--transparent:", "a.pfm", "opacity"]),
+        ("cubes --transparent --effect media", &["--transparent:", "--effect media"]),
+        ("smoke.toml --transparent -o a.png", &["--transparent:", "volumes"]),
+        ("cubes --transparent --reference exact", &["--reference:", "--transparent"]),
         ("cubes -o a.exr --effect media", &["-o:", "--effect media", ".ppm"]),
         ("cubes -o a.png --bits 16 --effect ao", &["-o:", "--effect ao", "--bits 8"]),
         ("smoke.toml -o a.pfm", &["-o:", "volumes", ".ppm"]),

@@ -100,6 +100,14 @@ impl Ray {
         })
     }
 
+    /// Without a background: the linear light that reaches the eye, and the opacity, all there is less the transmittance.
+    #[inline]
+    #[must_use]
+    pub fn alone(self) -> [u16; 4] {
+        let [r, g, b] = self.color.map(|light| light as u16);
+        [r, g, b, 65_535 - self.transmittance as u16]
+    }
+
     /// Meet the background, and encode to an opaque sRGB pixel.
     #[inline]
     #[must_use]
@@ -127,6 +135,28 @@ mod tests {
         let other = Ray { color: [2, 65_535, 10], transmittance: 0 };
         let mean = Ray { color: [2, 65_535, 9], transmittance: 2 };
         assert_eq!(Ray::mean([ray, other].into_iter()), mean);
+    }
+
+    /// An opacity of a / 255 is one of 257 a / 65,535, and there is that share of a colour's light.
+    #[test]
+    fn one_surface_alone_has_its_opacity() {
+        assert_eq!(Ray::default().alone(), [0; 4]);
+        for (alpha, c) in (0..=255_u8).flat_map(|alpha| (0..=255_u8).map(move |c| (alpha, c))) {
+            let mut ray = Ray::default();
+            ray.over(u32::from_le_bytes([c, 255, 0, alpha]));
+            let opacity = 257 * u16::from(alpha);
+            let light = (2 * 257 * u32::from(alpha) * u32::from(c) + 255) / (2 * 255);
+            assert_eq!(ray.alone(), [light as u16, opacity, 0, opacity], "{alpha} {c}");
+        }
+    }
+
+    #[test]
+    fn two_surfaces_alone_are_less_transparent_than_one() {
+        let mut ray = Ray::default();
+        ray.over(u32::from_le_bytes([0, 0, 0, 51]));
+        ray.over(u32::from_le_bytes([255, 0, 0, 102]));
+        // 1 - 4/5 3/5 = 13/25, and the red of 4/5 2/5 = 8/25.
+        assert_eq!(ray.alone(), [20_971, 0, 0, 34_078]);
     }
 
     const WHITE: u16 = 65_535;

@@ -36,7 +36,7 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
         // If pixels wait for each other, every tile keeps its memory from pass to pass.
         _ => grid.storage_pixels(),
     };
-    let linear = if options.linear { LINEAR_BYTES } else { 0 };
+    let linear = if options.needs_light() { LINEAR_BYTES } else { 0 };
     let own = (HOST_BYTES + linear) * grid.storage_pixels() as u64;
     let bytes = layout.bytes(pixels as u64).saturating_add(own);
     refuse_above(options, bytes, &format!("storage on '{}'", options.exec.name()))

@@ -18,23 +18,31 @@ use crate::scheme::Record;
 /// Refuse what is not composited from what pixels hold.
 pub(super) fn check(options: &Options, scene: &Scene) -> Result<()> {
     let what = match (&options.effect, scene.volumes.is_empty()) {
-        _ if !options.linear => return Ok(()),
+        _ if !options.needs_light() => return Ok(()),
         (Effect::Transparency, true) => return Ok(()),
         (Effect::Transparency, false) => "a scene with volumes".to_owned(),
         (effect, _) => format!("--effect {}", effect.name()),
     };
+    if options.transparent {
+        let problem = format!("{what} gives no opacity: only composited surfaces do");
+        return Err(Error::new("--transparent", problem));
+    }
     let problem = format!("{what} gives 8 bits a channel: write .ppm, or .png with --bits 8");
     Err(Error::new("-o", problem))
 }
 
-/// The light of every pixel.
-pub(super) fn picture(layers: &Layers<'_>) -> Linear {
+/// The light of every pixel: before the background, or without one and with opacity.
+pub(super) fn picture(layers: &Layers<'_>, transparent: bool) -> Linear {
     let Scene { size: [width, height], background, .. } = *layers.scene;
     let background = background.map(word16);
     let row = |y: u32| {
         let mut records = Vec::new();
         let pixel = |x: u32| {
-            let [r, g, b] = ray(layers, x, y, &mut records).before(background);
+            let ray = ray(layers, x, y, &mut records);
+            if transparent {
+                return ray.alone();
+            }
+            let [r, g, b] = ray.before(background);
             [r, g, b, u16::MAX]
         };
         (0..width).map(pixel).collect::<Vec<_>>()
@@ -106,6 +114,22 @@ mod tests {
         let scene = scene::load("cubes", &Overrides::default()).unwrap();
         let scene = Scene { size: [8, 8], ..scene };
         assert_eq!(render(&scene, &Options::default()).unwrap().linear, None);
+    }
+
+    #[test]
+    fn a_transparent_picture_over_the_background_is_the_opaque_one() {
+        let base = Options { method: Method::EXACT, ..Options::default() };
+        let opaque = drawn("bottles", &base).linear.unwrap();
+        let drawn = drawn("bottles", &Options { transparent: true, ..base });
+        let alone = drawn.linear.unwrap();
+        assert_eq!(alone.srgb8(), drawn.image);
+        // The background of a scene that gives none is white.
+        let over = |light: u16, opacity: u16| light.saturating_add(u16::MAX - opacity);
+        for (&[r, g, b, a], whole) in alone.pixels.iter().zip(&opaque.pixels) {
+            assert_eq!([over(r, a), over(g, a), over(b, a), u16::MAX], *whole);
+        }
+        let opacities = alone.pixels.iter().map(|pixel| pixel[3]);
+        assert!(opacities.clone().any(|a| a == 0) && opacities.clone().any(|a| a > 50_000));
     }
 
     #[test]

@@ -61,7 +61,7 @@ pub use table::{TableOptions, TableReport};
 pub struct Rendering {
     /// The picture.
     pub image: Image,
-    /// The same in 16 bits of linear light, if asked for.
+    /// The same in 16 bits of linear light, if asked for, or if the picture is transparent.
     pub linear: Option<Linear>,
     /// What the pixels hold after resolve.
     pub kept: Kept,
@@ -179,8 +179,11 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let layers = Layers { scene, front: &front, format, data, kept: &kept };
     let Made { image, surfaces, voxels, .. } =
         effects::make(options, &layers, &composited, &mut report)?;
-    let image = image.unwrap_or(composited);
-    let linear = options.linear.then(|| linear::picture(&layers));
+    let linear = options.needs_light().then(|| linear::picture(&layers, options.transparent));
+    let image = match &linear {
+        Some(linear) if options.transparent => linear.srgb8(),
+        _ => image.unwrap_or(composited),
+    };
     if options.effect != Effect::Transparency || !scene.volumes.is_empty() {
         watch.lap("effect");
     }

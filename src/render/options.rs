@@ -50,6 +50,9 @@ pub struct Options {
     /// Give the picture in 16 bits of linear light as well. For surfaces that are composited: without volumes, and
     /// with [`Effect::Transparency`].
     pub linear: bool,
+    /// Leave the background out: the picture keeps its opacity, and its colours are not multiplied by it. For surfaces
+    /// that are composited, too.
+    pub transparent: bool,
     /// How rays go through the scene's volumes.
     pub volumes: Marching,
     /// Shadows by a second frame, from the light.
@@ -98,6 +101,7 @@ impl Default for Options {
             cull_face: CullFace::None,
             effect: Effect::default(),
             linear: false,
+            transparent: false,
             volumes: Marching::default(),
             shadows: None,
             counters: true,
@@ -315,6 +319,11 @@ impl Options {
             return Err(Error::new("--samples", problem));
         }
         Ok(())
+    }
+
+    /// Whether the light of pixels must be computed before it is encoded.
+    pub(super) fn needs_light(&self) -> bool {
+        self.linear || self.transparent
     }
 
     /// What merging must know of the run.

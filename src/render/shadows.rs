@@ -87,6 +87,7 @@ fn plain(options: &Options) -> Options {
         cull_face,
         effect,
         linear: false,
+        transparent: false,
         shadows,
         table,
         importance,

@@ -69,6 +69,12 @@ impl Format {
         matches!(self, Self::Png16 | Self::Pfm | Self::Exr)
     }
 
+    /// Whether it holds opacity.
+    #[must_use]
+    pub fn has_opacity(self) -> bool {
+        !matches!(self, Self::Ppm | Self::Pfm)
+    }
+
     /// The bytes of a file.
     ///
     /// # Errors
@@ -143,6 +149,12 @@ mod tests {
         ] {
             assert!(format.encode(whole, path).unwrap().starts_with(start), "{format:?}");
             assert_eq!(format.encode(without, path).is_err(), format.is_linear(), "{format:?}");
+            let other = Image { pixels: vec![[1, 2, 3, 8], [4, 5, 6, 255]], ..image.clone() };
+            let pixels = vec![[1, 2, 3, 8], [4, 5, 6, 65_535]];
+            let light = Linear { pixels, ..linear.clone() };
+            let other = Drawn { image: &other, linear: Some(&light) };
+            let differs = format.encode(other, path) != format.encode(whole, path);
+            assert_eq!(differs, format.has_opacity(), "{format:?}");
         }
     }
 }

@@ -21,6 +21,11 @@ pub(super) struct Picture {
     /// Bits per channel of a PNG picture, 8 or 16 [default: 8]
     #[arg(long, value_name = "BITS", allow_negative_numbers = true)]
     bits: Option<u32>,
+
+    /// Leave the background out: the picture keeps its opacity, 1 less the transmittance. Colours are not multiplied by
+    /// opacity in PNG, as that format asks, and are in OpenEXR
+    #[arg(long)]
+    transparent: bool,
 }
 
 impl Picture {
@@ -29,11 +34,29 @@ impl Picture {
     /// # Errors
     /// An ending that is no format's, or an option that does not fit the format.
     pub(super) fn complete(&self, options: &mut Options) -> Result<()> {
+        options.transparent = self.transparent;
         let Some(path) = &self.image else {
             let needs = |_| Err(Error::new("--bits", "needs -o, a picture to write"));
             return self.bits.map_or(Ok(()), needs);
         };
-        options.linear = Format::of("-o", path, self.bits)?.is_linear();
+        let format = Format::of("-o", path, self.bits)?;
+        if self.transparent && !format.has_opacity() {
+            let problem = format!("{} cannot hold opacity: write .png or .exr", path.display());
+            return Err(Error::new("--transparent", problem));
+        }
+        options.linear = format.is_linear();
+        Ok(())
+    }
+
+    /// Refuse to compare a picture that has no background.
+    ///
+    /// # Errors
+    /// `--transparent` was given.
+    pub(super) fn check_comparable(&self) -> Result<()> {
+        if self.transparent {
+            let problem = "compares colours before the background, which --transparent leaves out";
+            return Err(Error::new("--reference", problem));
+        }
         Ok(())
     }
 

@@ -79,6 +79,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     args.picture.complete(&mut settings.options)?;
     check_outputs(args)?;
     let printed = printed(args)?;
+    args.reference.as_ref().map_or(Ok(()), |_| args.picture.check_comparable())?;
     let reference = args.reference.as_deref().map(|typed| Reference::read(catalogue, typed));
     let reference = reference.transpose()?;
     let single = outputs(args).into_iter().map(|(option, _)| option);

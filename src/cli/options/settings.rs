@@ -44,6 +44,7 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         cull_face: typed.cull_face.into(),
         effect: render::Effect::default(),
         linear: false,
+        transparent: false,
         volumes: render::Marching::default(),
         shadows: None,
         counters: true,
