@@ -3,14 +3,12 @@
 
 mod canvas;
 pub mod difference;
-pub mod exr;
 pub mod flip;
 pub mod heat;
 #[cfg(test)]
 mod ledger;
 pub mod linear;
 pub mod metrics;
-pub mod pfm;
 pub mod plot;
 pub mod png;
 pub mod ramp;

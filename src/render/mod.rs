@@ -8,7 +8,6 @@ mod frames;
 mod importance;
 mod inputs;
 mod limits;
-mod linear;
 mod options;
 mod reference;
 mod report;
@@ -179,7 +178,8 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let layers = Layers { scene, front: &front, format, data, kept: &kept };
     let Made { image, surfaces, voxels, .. } =
         effects::make(options, &layers, &composited, &mut report)?;
-    let linear = options.needs_light().then(|| linear::picture(&layers, options.transparent));
+    let linear =
+        options.needs_light().then(|| effects::linear::picture(&layers, options.transparent));
     let image = match &linear {
         Some(linear) if options.transparent => linear.srgb8(),
         _ => image.unwrap_or(composited),

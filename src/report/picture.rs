@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::image::linear::Linear;
-use crate::image::{Image, exr, pfm, png};
+use crate::image::linear::{Linear, exr, pfm};
+use crate::image::{Image, png};
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use exr::error::Error;
 use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
 
-use super::linear::Linear;
+use super::Linear;
 
 /// The bytes of an OpenEXR file: channels R, G, B and A as 32-bit floating point, linear, colours multiplied by opacity
 /// as the format asks; all light is 1.

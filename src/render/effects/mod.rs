@@ -1,6 +1,8 @@
 //! Applying an effect to a frame, and what it adds to the frame's report.
 
-use super::{Effect, Options, Report, linear, no_lists};
+pub(super) mod linear;
+
+use super::{Effect, Options, Report, no_lists};
 use crate::effect::layers::Layers;
 use crate::effect::ldi::Voxels;
 use crate::effect::{self, Made, Stage};

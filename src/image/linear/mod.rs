@@ -1,4 +1,7 @@
-//! Pictures in 16 bits of linear light, with opacity.
+//! Pictures in 16 bits of linear light, with opacity, and their files.
+
+pub mod exr;
+pub mod pfm;
 
 use super::Image;
 use crate::num::color::{srgb, srgb16};

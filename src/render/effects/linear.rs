@@ -5,11 +5,11 @@
 
 use rayon::prelude::*;
 
-use super::{Effect, Options};
 use crate::effect::layers::Layers;
 use crate::error::{Error, Result};
 use crate::image::linear::Linear;
 use crate::num::color::word16;
+use crate::render::{Effect, Options};
 use crate::resolve::Kept;
 use crate::resolve::composite::Ray;
 use crate::scene::Scene;
@@ -32,7 +32,7 @@ pub(super) fn check(options: &Options, scene: &Scene) -> Result<()> {
 }
 
 /// The light of every pixel: before the background, or without one and with opacity.
-pub(super) fn picture(layers: &Layers<'_>, transparent: bool) -> Linear {
+pub(in crate::render) fn picture(layers: &Layers<'_>, transparent: bool) -> Linear {
     let Scene { size: [width, height], background, .. } = *layers.scene;
     let background = background.map(word16);
     let row = |y: u32| {

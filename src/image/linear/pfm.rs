@@ -1,6 +1,6 @@
 //! PFM files: colours as 32-bit floating point, without opacity.
 
-use super::linear::Linear;
+use super::Linear;
 
 /// The bytes of a PFM file: linear red, green and blue, all light being 1; little-endian, which the negative scale says,
 /// and the bottom row first, as the format asks.
