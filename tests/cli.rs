@@ -16,6 +16,7 @@ fn help_exists_for_the_program_and_every_command() {
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
     for command in [
         "render",
+        "info",
         "compare",
         "inspect",
         "check",

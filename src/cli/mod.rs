@@ -24,7 +24,7 @@ use crate::error::Result;
 use draw::{bench, compare, inspect, render};
 #[cfg(feature = "gpu")]
 use list::adapters;
-use list::{claims, methods, mutations, scenes};
+use list::{claims, info, methods, mutations, scenes};
 use terminal::say;
 #[cfg(feature = "gpu")]
 use verify::crosscheck;
@@ -48,6 +48,8 @@ struct Cli {
 enum Command {
     /// Draw a scene with one method; print the accounting of its fragments.
     Render(Box<render::Args>),
+    /// Say what is in a scene: objects, materials, bounds, camera, and how many fragments it gives.
+    Info(info::Args),
     /// Draw a scene with several methods and compare each with the exact reference.
     Compare(Box<compare::Args>),
     /// Draw a scene with some methods and show one pixel: its fragments, what became of each, and the absorbance.
@@ -111,6 +113,7 @@ pub fn command() -> clap::Command {
 fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
     match command {
         Command::Render(args) => render::run(catalogue, args),
+        Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(catalogue, args),
         Command::Inspect(args) => inspect::run(catalogue, args),
         Command::Check(args) => check::run(catalogue, args),
