@@ -23,10 +23,17 @@ impl Seams {
         let mut seams = Self::default();
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for object in meshes {
-            let first = points.len() as u32;
-            let placed = |&p: &[f64; 3]| object.transform.transform_point3(DVec3::from(p));
-            points.par_extend(object.mesh.positions.par_iter().map(placed));
-            triangles.extend(object.mesh.triangles.iter().map(|t| t.map(|i| first + i)));
+            let (mesh, first) = (&object.mesh, points.len());
+            // Many objects may share many positions, and use few of them.
+            let mut used = mesh.triangles.as_flattened().to_vec();
+            used.par_sort_unstable();
+            used.dedup();
+            let place = |&i: &u32| DVec3::from(mesh.positions[i as usize]);
+            points.par_extend(
+                used.par_iter().map(place).map(|p| object.transform.transform_point3(p)),
+            );
+            let number = |i: u32| (first + used.partition_point(|&other| other < i)) as u32;
+            triangles.par_extend(mesh.triangles.par_iter().map(|t| t.map(number)));
         }
         seams.triangles = triangles.len() as u64;
         let flat = |t: &&[u32; 3]| {
@@ -106,6 +113,9 @@ mod tests {
         assert_eq!(seams.is_closed(), Some(true));
         let mirrored = TETRAHEDRON.map(|[a, b, c]| [a, c, b]);
         assert_eq!(of(&CORNERS, &mirrored).is_closed(), Some(true), "inside out");
+        let more = [&[[9.0; 3]], &CORNERS[..]].concat();
+        let after = TETRAHEDRON.map(|t| t.map(|i| i + 1));
+        assert_eq!(of(&more, &after), of(&CORNERS, &TETRAHEDRON), "a corner that nothing uses");
     }
 
     #[test]
