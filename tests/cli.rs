@@ -16,6 +16,7 @@ fn help_exists_for_the_program_and_every_command() {
     assert_eq!((help.code, help.stderr.as_str()), (0, ""));
     for command in [
         "render",
+        "info",
         "compare",
         "inspect",
         "check",
@@ -32,6 +33,41 @@ fn help_exists_for_the_program_and_every_command() {
         assert!(help.stdout.contains("--json"), "{command}");
     }
     assert!(dir.run("--version").stdout.starts_with("fragloom "));
+}
+
+/// `help COMMAND` and `COMMAND --help` are the same.
+#[test]
+fn help_is_a_command_too() {
+    let dir = Dir::new();
+    assert_eq!(dir.run("help").stdout, dir.run("--help").stdout);
+    for command in fragloom::cli::command().get_subcommands().map(clap::Command::get_name) {
+        let help = dir.run(&format!("help {command}"));
+        assert_eq!((help.code, help.stderr.as_str()), (0, ""), "{command}");
+        assert_eq!(help.stdout, dir.run(&format!("{command} --help")).stdout, "{command}");
+    }
+}
+
+#[test]
+fn shells_and_manuals_are_served() {
+    let dir = Dir::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let run = dir.run(&format!("completions {shell}"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{shell}");
+        assert!(run.stdout.contains("fragloom") && run.stdout.contains("reproduce"), "{shell}");
+    }
+    let page = dir.run("man");
+    assert_eq!((page.code, page.stderr.as_str()), (0, ""));
+    assert!(dir.names().is_empty());
+    assert_eq!(dir.run("man pages").code, 0, "the folder is made");
+    assert_eq!(dir.read("pages/fragloom.1"), page.stdout.as_bytes());
+    for command in fragloom::cli::command().get_subcommands().map(clap::Command::get_name) {
+        assert!(dir.path(&format!("pages/fragloom-{command}.1")).is_file(), "{command}");
+    }
+    fs::write(dir.path("file"), "kept").unwrap();
+    dir.run("man file").is_error(&["DIR:", "file"]);
+    dir.run("man no/folder").is_error(&["DIR:", "no/folder"]);
+    assert_eq!(dir.names(), ["file", "pages"]);
+    assert_eq!(dir.read("file"), b"kept");
 }
 
 #[test]
@@ -117,7 +153,10 @@ fn wrong_values_are_one_line_that_names_the_option() {
         ("compare x --reference exakt", &["--reference:", "did you mean exact?"]),
         ("render", &["SCENE"]),
         ("render x --sise 4x4", &["--sise", "--size"]),
-        ("rendr x", &["rendr", "render"]),
+        ("rendr x", &["\"rendr\"", "did you mean render?"]),
+        ("help rendr", &["\"rendr\"", "did you mean render?"]),
+        ("completions", &["SHELL"]),
+        ("completions csh", &["SHELL", "zsh"]),
         ("", &["subcommand"]),
     ] {
         dir.run(line).is_error(words);
@@ -145,7 +184,7 @@ fn outputs_are_checked_before_anything_runs() {
     run.is_error(&["--record:", "no/schedule"]);
     dir.run("render missing.obj -o .").is_error(&["-o:"]);
     dir.run("render missing.obj -o a.png --stats ./a.png").is_error(&["--stats:", "-o"]);
-    dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png or .ppm"]);
+    dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png, .ppm, .pfm or .exr"]);
     dir.run("render missing.obj -o - --json").is_error(&["--json:", "stdout"]);
     dir.run("compare missing.obj -o no/folder").is_error(&["-o:", "no/folder"]);
     fs::write(dir.path("file"), "kept").unwrap();

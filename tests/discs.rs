@@ -42,6 +42,7 @@ fn scene(discs: Vec<Disc>, projection: Projection, transform: DMat4) -> Scene {
         screen: Vec::new(),
         warnings: Vec::new(),
         files: Vec::new(),
+        cameras: Vec::new(),
     }
 }
 

@@ -139,7 +139,7 @@ pub fn method(name: &str) -> Result<Method> {
 }
 
 /// The name with the fewest edits, if they are few for its length.
-fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     let near = names.iter().min_by_key(|known| edits(name, known))?;
     (edits(name, near) <= 1 + near.len() / 4).then_some(near)
 }

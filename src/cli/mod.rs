@@ -17,14 +17,15 @@ mod verify;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, nearest};
 use crate::error::Result;
 use draw::{bench, compare, inspect, render};
 #[cfg(feature = "gpu")]
 use list::adapters;
-use list::{claims, methods, mutations, scenes};
+use list::{claims, completions, info, man, methods, mutations, scenes};
 use terminal::say;
 #[cfg(feature = "gpu")]
 use verify::crosscheck;
@@ -32,12 +33,7 @@ use verify::{check, replay, reproduce};
 
 /// A bit-exact CPU rasterizer that runs multi-fragment shaders as concurrent programs.
 #[derive(Debug, Parser)]
-#[command(
-    name = "fragloom",
-    version,
-    disable_help_subcommand = true,
-    arg_required_else_help = false
-)]
+#[command(name = "fragloom", version, arg_required_else_help = false)]
 #[command(after_help = "Exit codes: 0 nothing wrong; 1 a difference or a violation; 2 an error.")]
 struct Cli {
     #[command(subcommand)]
@@ -48,6 +44,8 @@ struct Cli {
 enum Command {
     /// Draw a scene with one method; print the accounting of its fragments.
     Render(Box<render::Args>),
+    /// Say what is in a scene: objects, materials, bounds, camera, and how many fragments it gives.
+    Info(info::Args),
     /// Draw a scene with several methods and compare each with the exact reference.
     Compare(Box<compare::Args>),
     /// Draw a scene with some methods and show one pixel: its fragments, what became of each, and the absorbance.
@@ -74,6 +72,10 @@ enum Command {
     Mutations(mutations::Args),
     /// List the built-in procedural scenes.
     Scenes(scenes::Args),
+    /// Print the script by which a shell completes this command line.
+    Completions(completions::Args),
+    /// Print the manual page, or write the pages of all commands.
+    Man(man::Args),
 }
 
 /// What a command found; errors are returned separately.
@@ -111,6 +113,7 @@ pub fn command() -> clap::Command {
 fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
     match command {
         Command::Render(args) => render::run(catalogue, args),
+        Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(catalogue, args),
         Command::Inspect(args) => inspect::run(catalogue, args),
         Command::Check(args) => check::run(catalogue, args),
@@ -125,6 +128,8 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
         Command::Methods(args) => methods::run(catalogue, args),
         Command::Mutations(args) => mutations::run(args),
         Command::Scenes(args) => scenes::run(args),
+        Command::Completions(args) => completions::run(args, self::command()),
+        Command::Man(args) => man::run(args, self::command()),
     }
 }
 
@@ -134,9 +139,28 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<C
             let _ = error.print();
             return ExitCode::SUCCESS;
         }
-        say::error(&one_line(&error));
+        say::error(&unknown_command(&error).unwrap_or_else(|| one_line(&error)));
         ExitCode::from(2)
     })
+}
+
+/// What to say of a name that no command has, if that is the error.
+fn unknown_command(error: &clap::Error) -> Option<String> {
+    // A command that is missing has the same context, with the program's name.
+    if error.kind() != ErrorKind::InvalidSubcommand {
+        return None;
+    }
+    let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    let definition = command();
+    let mut names: Vec<&str> = definition.get_subcommands().map(clap::Command::get_name).collect();
+    names.push("help");
+    let right = match nearest(typed, &names) {
+        Some(name) => format!("; did you mean {name}?"),
+        None => format!(". The commands are {}", names.join(", ")),
+    };
+    Some(format!("unknown command {typed:?}{right} (see --help)"))
 }
 
 /// clap's message without its colours, usage and line breaks.
@@ -174,6 +198,28 @@ mod tests {
                 assert!(help.len() > 8, "{} {argument}", sub.get_name());
             }
         }
+    }
+
+    #[test]
+    fn a_command_that_is_not_there_is_told_with_the_nearest() {
+        let told = |line: &[&str]| {
+            let line = std::iter::once(&"fragloom").chain(line);
+            unknown_command(&Cli::try_parse_from(line).unwrap_err())
+        };
+        for (typed, meant) in [
+            ("rendr", "render"),
+            ("chek", "check"),
+            ("hlep", "help"),
+            ("completion", "completions"),
+        ] {
+            let expected =
+                format!("unknown command \"{typed}\"; did you mean {meant}? (see --help)");
+            assert_eq!(told(&[typed]), Some(expected.clone()));
+            assert_eq!(told(&["help", typed]), Some(expected));
+        }
+        let all = told(&["nonsense"]).unwrap();
+        assert!(command().get_subcommands().all(|sub| all.contains(sub.get_name())), "{all}");
+        assert_eq!([told(&["render"]), told(&[])], [None, None], "other errors");
     }
 
     #[test]

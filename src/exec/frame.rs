@@ -263,7 +263,7 @@ impl<'a> Finisher<'a> {
                 all.push(*light);
             }
             (Held::Depth(depth), Column::Depths(all)) => {
-                ray.over(gray(*depth));
+                ray = Ray::of_depth(*depth);
                 all.push(*depth);
             }
             _ => {}
@@ -470,12 +470,6 @@ fn each<T>(tiles: &[TileOutput], grid: &Grid, value: impl Fn(&Column, usize) -> 
         value(&tiles[tile].column, grid.local_pixel(x, y) as usize)
     };
     pixels.map(of).collect()
-}
-
-/// A depth as an opaque gray, the darker the farther; no depth is transparent.
-fn gray(Depth(depth): Depth) -> u32 {
-    let [.., upper] = (!depth).to_le_bytes();
-    if depth == u32::MAX { 0 } else { u32::from_le_bytes([upper, upper, upper, 255]) }
 }
 
 /// Compare every pixel's list with the fragments generated there.

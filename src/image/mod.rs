@@ -1,5 +1,5 @@
-//! Pictures as bytes: RGBA8 images, their hash, PNG files, differences, comparison sheets and plots. Nothing here knows
-//! how a picture was made.
+//! Pictures as bytes: RGBA8 images, their hash, linear pictures of 16 bits, files, differences, comparison sheets and
+//! plots. Nothing here knows how a picture was made.
 
 mod canvas;
 pub mod difference;
@@ -7,6 +7,7 @@ pub mod flip;
 pub mod heat;
 #[cfg(test)]
 mod ledger;
+pub mod linear;
 pub mod metrics;
 pub mod plot;
 pub mod png;

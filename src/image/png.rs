@@ -9,21 +9,40 @@ use png::{
 };
 
 use super::Image;
+use super::linear::Linear;
 
 /// The bytes of a PNG file: 8 bits per channel, RGBA, marked as sRGB.
 ///
 /// # Errors
 /// An image of width or height 0, which PNG cannot hold.
 pub fn encode(image: &Image) -> Result<Vec<u8>, EncodingError> {
+    write([image.width, image.height], BitDepth::Eight, image.bytes())
+}
+
+/// The same with 16 bits per channel.
+///
+/// # Errors
+/// A picture of width or height 0.
+pub fn encode16(picture: &Linear) -> Result<Vec<u8>, EncodingError> {
+    let words = picture.srgb16();
+    let bytes: Vec<u8> = words.as_flattened().iter().flat_map(|word| word.to_be_bytes()).collect();
+    write([picture.width, picture.height], BitDepth::Sixteen, &bytes)
+}
+
+fn write(
+    [width, height]: [u32; 2],
+    depth: BitDepth,
+    data: &[u8],
+) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, image.width, image.height);
+    let mut encoder = Encoder::new(&mut bytes, width, height);
     encoder.set_color(ColorType::Rgba);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     encoder.set_compression(Compression::Balanced);
     encoder.set_filter(Filter::Adaptive);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(image.bytes())?;
+    writer.write_image_data(data)?;
     writer.finish()?;
     Ok(bytes)
 }
@@ -131,6 +150,22 @@ mod tests {
         }
         let wide = encode(&Image::filled(65, 1, [9; 4])).unwrap();
         assert!(read(&wide).unwrap_err().contains("1 to 64"));
+    }
+
+    #[test]
+    fn sixteen_bits_are_srgb_with_the_high_byte_first() {
+        let pixels = vec![[0, 1, 14_027, u16::MAX], [u16::MAX, 0, 0, u16::MAX]];
+        let picture = Linear { width: 2, height: 1, pixels };
+        let bytes = encode16(&picture).unwrap();
+        let mut reader = Decoder::new(Cursor::new(&bytes)).read_info().unwrap();
+        assert_eq!(reader.output_color_type(), (ColorType::Rgba, BitDepth::Sixteen));
+        assert!(reader.info().srgb.is_some());
+        let mut data = [0; 16];
+        reader.next_frame(&mut data).unwrap();
+        let words: Vec<u16> =
+            data.chunks_exact(2).map(|word| u16::from_be_bytes([word[0], word[1]])).collect();
+        assert_eq!(words, *picture.srgb16().as_flattened());
+        assert_eq!(data[2..4], [0, 13], "12.92 times 1, and not 13 times 256");
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! * A *data word* is linear, straight-alpha RGBA8 with R in the low byte.
 //! * Real colour in 0..1 becomes 8 bits by `floor(clamp(c) * 255 + 0.5)`.
 //! * A linear 16-bit channel becomes an sRGB byte by a table of 65,536 entries, computed once with the
-//!   `libm` crate: the byte nearest to the sRGB transfer function (IEC 61966-2-1), halves up.
+//!   `libm` crate: the byte nearest to the sRGB transfer function (IEC 61966-2-1), halves up. Another such table gives
+//!   the nearest 16-bit value.
 
 use std::sync::LazyLock;
 
@@ -31,6 +32,12 @@ pub fn srgb(linear: u16) -> u8 {
     SRGB[usize::from(linear)]
 }
 
+/// The 16-bit sRGB value of a linear 16-bit channel.
+#[must_use]
+pub fn srgb16(linear: u16) -> u16 {
+    SRGB16[usize::from(linear)]
+}
+
 /// From sRGB to linear, both 0..1 (IEC 61966-2-1).
 #[must_use]
 pub fn linear(c: f64) -> f64 {
@@ -46,16 +53,17 @@ pub fn linear_of(byte: u8) -> f64 {
 static LINEAR: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f64 / 255.0)));
 
-static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
-    (0..=u16::MAX)
-        .map(|linear| {
-            let c = f64::from(linear) / 65_535.0;
-            let encoded =
-                if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
-            (encoded * 255.0 + 0.5) as u8
-        })
-        .collect()
-});
+static SRGB: LazyLock<Vec<u8>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|c| (encoded(c) * 255.0 + 0.5) as u8).collect());
+
+static SRGB16: LazyLock<Vec<u16>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|c| (encoded(c) * 65_535.0 + 0.5) as u16).collect());
+
+/// From linear to sRGB, 0..1.
+fn encoded(linear: u16) -> f64 {
+    let c = f64::from(linear) / 65_535.0;
+    if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 }
+}
 
 #[cfg(test)]
 mod tests {
@@ -76,5 +84,16 @@ mod tests {
         let there_and_back = |byte: u8| srgb((linear_of(byte) * 65_535.0 + 0.5) as u16);
         assert!((64..=255).all(|byte| there_and_back(byte) == byte));
         assert_eq!((srgb(14_027), srgb(14_028)), (127, 128), "sRGB 0.5 is linear 0.214041");
+    }
+
+    #[test]
+    fn sixteen_bits_round_to_the_same_byte_or_the_next() {
+        assert_eq!((srgb16(0), srgb16(u16::MAX)), (0, u16::MAX));
+        assert_eq!([1, 205, 14_027].map(srgb16), [13, 2_649, 32_767], "12.92 c, and the curve");
+        assert!((1..=u16::MAX).all(|c| srgb16(c - 1) <= srgb16(c)));
+        for c in 0..=u16::MAX {
+            let rounded = (u32::from(srgb16(c)) + 128) / 257;
+            assert!(rounded.abs_diff(srgb(c).into()) <= 1, "{c}");
+        }
     }
 }

@@ -89,16 +89,31 @@ impl Ray {
         Self { color: [r, g, b], transmittance }
     }
 
+    /// Meet the background: the linear light that reaches the eye.
+    #[inline]
+    #[must_use]
+    pub fn before(self, background: [u16; 3]) -> [u16; 3] {
+        std::array::from_fn(|i| {
+            let behind =
+                (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
+            (self.color[i] + behind as u32).min(65_535) as u16
+        })
+    }
+
+    /// Without a background: the linear light that reaches the eye, and the opacity, all there is less the transmittance.
+    #[inline]
+    #[must_use]
+    pub fn alone(self) -> [u16; 4] {
+        let [r, g, b] = self.color.map(|light| light as u16);
+        [r, g, b, 65_535 - self.transmittance as u16]
+    }
+
     /// Meet the background, and encode to an opaque sRGB pixel.
     #[inline]
     #[must_use]
     pub fn finish(self, background: [u16; 3]) -> [u8; 4] {
-        let channel = |i: usize| {
-            let behind =
-                (u64::from(self.transmittance) * u64::from(background[i]) + 32_767) / 65_535;
-            srgb((self.color[i] + behind as u32).min(65_535) as u16)
-        };
-        [channel(0), channel(1), channel(2), 255]
+        let [r, g, b] = self.before(background).map(srgb);
+        [r, g, b, 255]
     }
 
     /// Nothing behind can be seen any more.
@@ -120,6 +135,28 @@ mod tests {
         let other = Ray { color: [2, 65_535, 10], transmittance: 0 };
         let mean = Ray { color: [2, 65_535, 9], transmittance: 2 };
         assert_eq!(Ray::mean([ray, other].into_iter()), mean);
+    }
+
+    /// An opacity of a / 255 is one of 257 a / 65,535, and there is that share of a colour's light.
+    #[test]
+    fn one_surface_alone_has_its_opacity() {
+        assert_eq!(Ray::default().alone(), [0; 4]);
+        for (alpha, c) in (0..=255_u8).flat_map(|alpha| (0..=255_u8).map(move |c| (alpha, c))) {
+            let mut ray = Ray::default();
+            ray.over(u32::from_le_bytes([c, 255, 0, alpha]));
+            let opacity = 257 * u16::from(alpha);
+            let light = (2 * 257 * u32::from(alpha) * u32::from(c) + 255) / (2 * 255);
+            assert_eq!(ray.alone(), [light as u16, opacity, 0, opacity], "{alpha} {c}");
+        }
+    }
+
+    #[test]
+    fn two_surfaces_alone_are_less_transparent_than_one() {
+        let mut ray = Ray::default();
+        ray.over(u32::from_le_bytes([0, 0, 0, 51]));
+        ray.over(u32::from_le_bytes([255, 0, 0, 102]));
+        // 1 - 4/5 3/5 = 13/25, and the red of 4/5 2/5 = 8/25.
+        assert_eq!(ray.alone(), [20_971, 0, 0, 34_078]);
     }
 
     const WHITE: u16 = 65_535;

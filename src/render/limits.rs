@@ -14,6 +14,9 @@ use crate::scheme::merging::slab::Slab;
 /// What executors keep per pixel in addition to the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
 
+/// A pixel's bytes in 16 bits of linear light.
+const LINEAR_BYTES: u64 = 8;
+
 /// A kept fragment's bytes, by tile and then row by row.
 const KEPT_BYTES: u64 = 16;
 
@@ -33,7 +36,8 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
         // If pixels wait for each other, every tile keeps its memory from pass to pass.
         _ => grid.storage_pixels(),
     };
-    let own = HOST_BYTES * grid.storage_pixels() as u64;
+    let linear = if options.needs_light() { LINEAR_BYTES } else { 0 };
+    let own = (HOST_BYTES + linear) * grid.storage_pixels() as u64;
     let bytes = layout.bytes(pixels as u64).saturating_add(own);
     refuse_above(options, bytes, &format!("storage on '{}'", options.exec.name()))
 }

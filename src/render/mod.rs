@@ -22,6 +22,7 @@ use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
 use crate::exec::{self, Frame, Instance, Job, Tally};
 use crate::image::Image;
+use crate::image::linear::Linear;
 use crate::memory::Counters;
 use crate::num::color::word16;
 use crate::raster::{Attenuation, FrontEnd, Grid};
@@ -59,6 +60,8 @@ pub use table::{TableOptions, TableReport};
 pub struct Rendering {
     /// The picture.
     pub image: Image,
+    /// The same in 16 bits of linear light, if asked for, or if the picture is transparent.
+    pub linear: Option<Linear>,
     /// What the pixels hold after resolve.
     pub kept: Kept,
     /// With [`Effect::Csg`], those fragments that are surfaces of the combination.
@@ -175,7 +178,12 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let layers = Layers { scene, front: &front, format, data, kept: &kept };
     let Made { image, surfaces, voxels, .. } =
         effects::make(options, &layers, &composited, &mut report)?;
-    let image = image.unwrap_or(composited);
+    let linear =
+        options.needs_light().then(|| effects::linear::picture(&layers, options.transparent));
+    let image = match &linear {
+        Some(linear) if options.transparent => linear.srgb8(),
+        _ => image.unwrap_or(composited),
+    };
     if options.effect != Effect::Transparency || !scene.volumes.is_empty() {
         watch.lap("effect");
     }
@@ -207,7 +215,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
     let passes = std::mem::take(&mut executed.frame.seconds).into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
-    Ok(Rendering { image, kept, surfaces, voxels, shares, report, schedule, watched })
+    Ok(Rendering { image, linear, kept, surfaces, voxels, shares, report, schedule, watched })
 }
 
 /// Where the scene lies, and where the camera looks.

@@ -47,6 +47,12 @@ pub struct Options {
     pub cull_face: CullFace,
     /// What is made from the lists. [`Effect::Media`] and [`Effect::Csg`] need [`Data::Primitive`].
     pub effect: Effect,
+    /// Give the picture in 16 bits of linear light as well. For surfaces that are composited: without volumes, and
+    /// with [`Effect::Transparency`].
+    pub linear: bool,
+    /// Leave the background out: the picture keeps its opacity, and its colours are not multiplied by it. For surfaces
+    /// that are composited, too.
+    pub transparent: bool,
     /// How rays go through the scene's volumes.
     pub volumes: Marching,
     /// Shadows by a second frame, from the light.
@@ -94,6 +100,8 @@ impl Default for Options {
             data: Data::Color,
             cull_face: CullFace::None,
             effect: Effect::default(),
+            linear: false,
+            transparent: false,
             volumes: Marching::default(),
             shadows: None,
             counters: true,
@@ -311,6 +319,11 @@ impl Options {
             return Err(Error::new("--samples", problem));
         }
         Ok(())
+    }
+
+    /// Whether the light of pixels must be computed before it is encoded.
+    pub(super) fn needs_light(&self) -> bool {
+        self.linear || self.transparent
     }
 
     /// What merging must know of the run.

@@ -82,8 +82,17 @@ fn plain(options: &Options) -> Options {
     // Nobody looks from there.
     let importance = options.importance.elsewhere();
     let shadows = None;
-    let mut plain =
-        Options { data, cull_face, effect, shadows, table, importance, ..options.clone() };
+    let mut plain = Options {
+        data,
+        cull_face,
+        effect,
+        linear: false,
+        transparent: false,
+        shadows,
+        table,
+        importance,
+        ..options.clone()
+    };
     if let Exec::Sim(Sim { watch, .. }) = &mut plain.exec {
         *watch = None;
     }

@@ -1,5 +1,6 @@
 //! Results for people and for programs: tables, JSON, NumPy files, and writing files whole or not at all.
 
+pub mod contents;
 pub mod errors;
 pub mod files;
 pub mod grid;

@@ -5,7 +5,7 @@
 //! odd, so no product lies half-way between two, and a half is much farther away than f64 errs).
 
 pub use crate::num::ray::Ray;
-use crate::scheme::{Light, Record};
+use crate::scheme::{Depth, Light, Record};
 
 /// All light, in 16 bits.
 const ALL: f64 = 65_535.0;
@@ -30,6 +30,18 @@ impl Ray {
             color: light.color.map(|c| whole(c * ALL)),
             transmittance: whole(light.transmittance * ALL),
         }
+    }
+
+    /// A ray that meets an opaque gray, the darker the farther; no depth is transparent.
+    #[inline]
+    #[must_use]
+    pub fn of_depth(Depth(depth): Depth) -> Self {
+        let mut ray = Self::default();
+        if depth != u32::MAX {
+            let [.., upper] = (!depth).to_le_bytes();
+            ray.over(u32::from_le_bytes([upper, upper, upper, 255]));
+        }
+        ray
     }
 }
 

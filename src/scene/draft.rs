@@ -76,6 +76,7 @@ impl Draft {
             background: self.background,
             light: self.light.unwrap_or_else(|| camera.default_light()),
             camera,
+            cameras: self.model.cameras.into_iter().map(|camera| camera.names).collect(),
             materials: self.model.materials,
             objects: self.model.objects,
             screen: self.model.screen,

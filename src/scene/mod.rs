@@ -35,7 +35,7 @@ use serde::Deserialize;
 pub use self::bounds::Bounds;
 pub use self::camera::{AMBIENT, FOV_Y};
 pub use self::draft::{DEFAULT_BACKGROUND, DEFAULT_SIZE, Overrides};
-pub use self::load::{MESH_ALPHA, builtin, load, zipped};
+pub use self::load::{MESH_ALPHA, STDIN, builtin, load, zipped};
 pub use self::model::{GREY, MAX_FILE, MAX_TRIANGLES, Model};
 pub use self::parts::FileFormat;
 pub use self::points::{PointSize, pcd};
@@ -57,6 +57,8 @@ pub struct Scene {
     pub background: [f32; 3],
     /// Where it is seen from.
     pub camera: Camera,
+    /// Names of the cameras that its files have: of each its own and its node's, where there are any.
+    pub cameras: Vec<[String; 2]>,
     /// The one light.
     pub light: Light,
     /// At least one; objects name them by index.

@@ -208,7 +208,10 @@ impl NamedCamera {
             far: 1.0,
         };
         let (near, far) = camera.planes_around(bounds);
-        (camera.near, camera.far) = (self.planes[0].unwrap_or(near), self.planes[1].unwrap_or(far));
+        camera.near = self.planes[0].unwrap_or(near);
+        // What lies in front of its near plane needs no far one.
+        let behind = if far > camera.near { far } else { camera.near.abs() * 2.0 + 1.0 };
+        camera.far = self.planes[1].unwrap_or(behind);
         camera
     }
 }

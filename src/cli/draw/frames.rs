@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::picture::Picture;
 use crate::cli::Verdict;
 use crate::cli::options::settings::Settings;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::render::{AnimatedFrame, Animation, Report, Resize, animate};
-use crate::report::picture::Format;
 use crate::report::text::{Align, columns, thousands};
 use crate::report::{files, json};
 use crate::scene::Scene;
@@ -74,7 +74,7 @@ pub(in crate::cli) fn run(
     scene: &Scene,
     settings: &Settings,
     animation: &Animation,
-    image: Option<&Path>,
+    picture: &Picture,
     stats: Option<&Path>,
     [as_json, quiet]: [bool; 2],
 ) -> Result<Verdict> {
@@ -83,10 +83,8 @@ pub(in crate::cli) fn run(
     wait::during(quiet, &message, || {
         animate(scene, &settings.options, animation, |frame| {
             let AnimatedFrame { number, retries, rendering } = frame;
-            if let Some(path) = image {
-                let path = numbered(path, number);
-                let bytes = Format::of("-o", &path)?.encode(&rendering.image, &path)?;
-                files::write_bytes(&path, &bytes)?;
+            if let Some(path) = &picture.image {
+                picture.write(&rendering, &numbered(path, number))?;
             }
             rows.push(FrameLine { frame: number, retries, report: rendering.report });
             Ok(())

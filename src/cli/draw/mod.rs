@@ -4,5 +4,6 @@ pub(super) mod bench;
 pub(super) mod compare;
 mod frames;
 pub(super) mod inspect;
+mod picture;
 mod reference;
 pub(super) mod render;

@@ -111,6 +111,7 @@ impl Reference {
                     cull: None,
                     k_average: None,
                     counters: false,
+                    linear: false,
                     ..options.clone()
                 };
                 let message = format!("drawing {} with {method}", scene.name);

@@ -1,8 +1,9 @@
 //! `fragloom render`: draw a scene with one method.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::frames::{self, Frames};
+use super::picture::Picture;
 use super::reference::{Against, Document, Reference};
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
@@ -15,7 +16,6 @@ use crate::error::{Error, Result};
 use crate::render::{Importance, Options, Rendering, render};
 use crate::report::errors::{self, Errors};
 use crate::report::grid::Syntax;
-use crate::report::picture::Format;
 use crate::report::{files, json, npz, table};
 use crate::scene;
 use crate::scheme::contract::Demand;
@@ -39,9 +39,8 @@ pub(in crate::cli) struct Args {
     #[command(flatten)]
     frames: Frames,
 
-    /// Write the picture: FILE.png (sRGB, RGBA8) or FILE.ppm; - is stdout, as PNG and without any table [default: not written]
-    #[arg(short = 'o', value_name = "FILE")]
-    image: Option<PathBuf>,
+    #[command(flatten)]
+    picture: Picture,
 
     /// Write the kept fragments of every pixel, as NumPy arrays [default: not written]
     #[arg(long, value_name = "FILE.npz")]
@@ -77,8 +76,10 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     let mut settings = complete(&args.drawing, method, args.record.is_some())?;
     args.effects.complete(args.drawing.data, &mut settings.options)?;
     settings.warnings.extend(idle(&settings.options));
+    args.picture.complete(&mut settings.options)?;
     check_outputs(args)?;
     let printed = printed(args)?;
+    args.reference.as_ref().map_or(Ok(()), |_| args.picture.check_comparable())?;
     let reference = args.reference.as_deref().map(|typed| Reference::read(catalogue, typed));
     let reference = reference.transpose()?;
     let single = outputs(args).into_iter().map(|(option, _)| option);
@@ -87,15 +88,15 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         .filter(|option| !["-o", "--stats"].contains(option))
         .collect();
     if let Some(animation) = args.frames.complete(&single)? {
-        if args.image.as_deref().is_some_and(is_stdout) {
+        if args.picture.is_stdout() {
             return Err(Error::new("-o", "- is one picture on stdout, but --frames draws several"));
         }
         let quiet = args.output.quiet;
         let load = || scene::load(&args.scene, &settings.overrides);
         let scene = wait::during(quiet, "loading", load)?;
-        let (image, stats) = (args.image.as_deref(), args.stats.as_deref());
+        let (picture, stats) = (&args.picture, args.stats.as_deref());
         let output = [args.output.json, quiet];
-        return frames::run(&scene, &settings, &animation, image, stats, output);
+        return frames::run(&scene, &settings, &animation, picture, stats, output);
     }
     let (rendering, against) = draw(args, settings, reference.as_ref())?;
     let report = &rendering.report;
@@ -103,9 +104,8 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     write_outputs(args, &rendering, &document)?;
     report.warnings.iter().for_each(|warning| say::warning(warning));
     let errors: Vec<Errors<'_>> = against.iter().map(|against| against.errors(report)).collect();
-    let silent = args.image.as_deref().is_some_and(is_stdout);
     say::result(&match printed {
-        _ if silent => String::new(),
+        _ if args.picture.is_stdout() => String::new(),
         Printed::Document => document,
         Printed::Tables => table::accounting(report) + &titled(&errors),
         Printed::Errors(syntax) => errors::grid(&errors).write(syntax),
@@ -170,7 +170,7 @@ fn draw(
 /// The output files by their options.
 fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
     let all = [
-        ("-o", &args.image),
+        ("-o", &args.picture.image),
         ("--fragments", &args.fragments),
         ("--surfaces", &args.effects.surfaces),
         ("--ldi", &args.effects.ldi),
@@ -183,38 +183,22 @@ fn outputs(args: &Args) -> Vec<(&'static str, &PathBuf)> {
 /// The same without what goes to stdout.
 fn files_among(args: &Args) -> Vec<(&'static str, &PathBuf)> {
     let mut outputs = outputs(args);
-    outputs.retain(|(option, path)| !(*option == "-o" && is_stdout(path)));
+    outputs.retain(|(option, _)| !(*option == "-o" && args.picture.is_stdout()));
     outputs
 }
 
 fn check_outputs(args: &Args) -> Result<()> {
-    if let Some(path) = &args.image {
-        Format::of("-o", path)?;
-        if is_stdout(path) && args.output.json {
-            return Err(Error::new(
-                "--json",
-                "is printed on stdout, and so is the picture of -o -",
-            ));
-        }
+    if args.picture.is_stdout() && args.output.json {
+        return Err(Error::new("--json", "is printed on stdout, and so is the picture of -o -"));
     }
     let outputs = files_among(args);
     outputs.iter().try_for_each(|(option, path)| files::check_output(option, path))?;
     files::check_distinct(&outputs)
 }
 
-/// The picture goes to stdout, which then has nothing else.
-fn is_stdout(path: &Path) -> bool {
-    path == Path::new("-")
-}
-
 fn write_outputs(args: &Args, rendering: &Rendering, document: &str) -> Result<()> {
-    if let Some(path) = &args.image {
-        let bytes = Format::of("-o", path)?.encode(&rendering.image, path)?;
-        if is_stdout(path) {
-            say::bytes(&bytes)?;
-        } else {
-            files::write_bytes(path, &bytes)?;
-        }
+    if let Some(path) = &args.picture.image {
+        args.picture.write(rendering, path)?;
     }
     if let Some(path) = &args.fragments {
         let written = npz::Written::of(&rendering.kept, &rendering.report.method)?;

@@ -43,6 +43,8 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         data: typed.data.map(render::Data::from).unwrap_or_default(),
         cull_face: typed.cull_face.into(),
         effect: render::Effect::default(),
+        linear: false,
+        transparent: false,
         volumes: render::Marching::default(),
         shadows: None,
         counters: true,

@@ -30,6 +30,9 @@ impl Files {
     }
 }
 
+/// The name of a scene that came in on stdin.
+pub const STDIN: &str = "stdin";
+
 /// It stands for what comes in on stdin.
 pub(super) fn is_stdin(path: &Path) -> bool {
     path == Path::new("-")
@@ -37,7 +40,7 @@ pub(super) fn is_stdin(path: &Path) -> bool {
 
 /// The name of a file in messages.
 pub(super) fn place(path: &Path) -> String {
-    if is_stdin(path) { "stdin".to_owned() } else { path.display().to_string() }
+    if is_stdin(path) { STDIN.to_owned() } else { path.display().to_string() }
 }
 
 /// The path of a file named in another file.
@@ -60,7 +63,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>> {
 }
 
 fn stdin() -> Result<Vec<u8>> {
-    let wrong = |problem: String| Error::new("stdin", problem);
+    let wrong = |problem: String| Error::new(STDIN, problem);
     let bytes = all(std::io::stdin().lock()).map_err(|error| {
         wrong(error.map_or_else(|| too_large(""), |error| format!("cannot be read: {error}")))
     })?;

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use self::archive::Archive;
+pub use self::files::STDIN;
 use self::files::{Files, beside, is_stdin, place};
 use super::draft::{Draft, Overrides, image_size};
 use super::file::{self, Source};

@@ -52,6 +52,12 @@ impl Volume {
         self.transfer.at(self.grid.at(point.to_array(), self.interpolation))
     }
 
+    /// Around it.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        grown(Bounds::EMPTY, std::slice::from_ref(self))
+    }
+
     /// The opacity of a length, in world units, of an opacity per step unit.
     #[inline]
     #[must_use]

@@ -1,5 +1,7 @@
 //! Applying an effect to a frame, and what it adds to the frame's report.
 
+pub(super) mod linear;
+
 use super::{Effect, Options, Report, no_lists};
 use crate::effect::layers::Layers;
 use crate::effect::ldi::Voxels;
@@ -42,6 +44,7 @@ pub(super) fn make(
 pub(super) fn check(options: &Options, scene: &Scene) -> Result<()> {
     options.effect.check(scene)?;
     options.volumes.check(scene)?;
+    linear::check(options, scene)?;
     let holds = options.method.holds();
     let layered = matches!(holds, HeldKind::Fragments | HeldKind::Records);
     if !scene.volumes.is_empty() && !layered {
