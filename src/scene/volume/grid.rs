@@ -48,7 +48,7 @@ impl Grid {
         let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &value| {
             [low.min(value.into()), high.max(value.into())]
         });
-        let range = if ends[0] < ends[1] { ends } else { [ends[0] - 1.0, ends[1]] };
+        let range = if ends[0] < ends[1] { ends } else { [ends[0] - ends[0].abs().max(1.0), ends[1]] };
         Ok(Self { size, values, range, spacing: None })
     }
 
@@ -208,5 +208,9 @@ mod tests {
         assert_eq!(grid().spaced([0.5, 2.0, 1.0]).unwrap().extent(), [1.0, 2.0, 3.0]);
         let same = Grid::new([1; 3], vec![7.0]).unwrap();
         assert_eq!(same.at([0.5; 3], Interpolation::Linear), 1.0);
+        for value in [0.0, -0.5, 1e-40, -7e20, f32::MAX, f32::MIN] {
+            let same = Grid::new([1; 3], vec![value]).unwrap();
+            assert_eq!(same.at([0.5; 3], Interpolation::Nearest), 1.0, "{value}");
+        }
     }
 }
