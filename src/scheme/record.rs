@@ -146,9 +146,13 @@ impl Ord for Whole {
     /// What cannot be seen has no colour; what is nearer at its near end is thicker.
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
-        let seen = |key: u64| if data_of(key) >> 24 == 0 { key >> 32 << 32 } else { key };
-        let rest = || other.near.cmp(&self.near).then_with(|| self.key.cmp(&other.key));
-        seen(self.key).cmp(&seen(other.key)).then_with(rest)
+        let seen = |key: u64| Some(data_of(key)).filter(|word| word >> 24 != 0);
+        let rest = || {
+            let colors = seen(self.key).cmp(&seen(other.key));
+            let nears = || other.near.cmp(&self.near).then_with(|| self.key.cmp(&other.key));
+            colors.then_with(nears)
+        };
+        depth_of(self.key).cmp(&depth_of(other.key)).then_with(rest)
     }
 }
 

@@ -32,7 +32,8 @@ use crate::scheme::{Form, Keeps};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// A mesh (.obj, .gltf, .glb, .ply), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
+    /// A mesh or point set (.obj, .gltf, .glb, .ply, .stl, .pcd, .zip), a scene file (.toml), a built-in scene (see
+    /// `fragloom scenes`), or - for stdin, with --format
     #[arg(value_name = "SCENE")]
     scene: String,
 

@@ -48,7 +48,8 @@ impl Grid {
         let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &value| {
             [low.min(value.into()), high.max(value.into())]
         });
-        let range = if ends[0] < ends[1] { ends } else { [ends[0] - ends[0].abs().max(1.0), ends[1]] };
+        let range =
+            if ends[0] < ends[1] { ends } else { [ends[0] - ends[0].abs().max(1.0), ends[1]] };
         Ok(Self { size, values, range, spacing: None })
     }
 

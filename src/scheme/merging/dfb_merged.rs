@@ -154,7 +154,7 @@ impl<M: Merge> DfbMerged<M> {
             out.surfaces.sort_unstable();
             let rest = out.surfaces.drain(most - 1..).map(|key| Whole::surface(key).into());
             let rest: Vec<Stored> = rest.collect();
-            return self.merge.merge(&rest, 1, out);
+            return self.merge_rest(&rest, 1, out);
         }
         out.unite();
         out.wholes.sort_unstable();
@@ -167,7 +167,13 @@ impl<M: Merge> DfbMerged<M> {
         };
         let mut rest: Vec<Stored> = out.wholes.drain(stay..).map(Stored::from).collect();
         rest.sort_unstable();
-        self.merge.merge(&rest, room as u32, out);
+        self.merge_rest(&rest, room, out);
+    }
+
+    /// Out of line, so that pixels where nothing merges do not carry it.
+    #[inline(never)]
+    fn merge_rest(&self, rest: &[Stored], room: usize, out: &mut Records) {
+        self.merge.merge(rest, room as u32, out);
     }
 }
 
