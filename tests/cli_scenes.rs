@@ -7,6 +7,7 @@ mod support;
 
 use std::fs;
 use std::io::{Cursor, Write};
+use std::path::Path;
 use std::process::Stdio;
 
 use fragloom::image::{Image, png};
@@ -200,4 +201,102 @@ fn cameras_of_files_have_names() {
     dir.run("render m.gltf --camera nobody").is_error(&["--camera", "nobody", "\"plan\""]);
     let run = dir.run("render m.gltf --size 32");
     assert!(run.stderr.contains("camera") && run.stderr.contains("broken"), "{run:?}");
+}
+
+/// A fresh copy of a folder of `tests/inputs`.
+fn input(name: &str) -> Dir {
+    let dir = Dir::new();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/inputs").join(name);
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        fs::write(dir.path(path.file_name().unwrap().to_str().unwrap()), fs::read(&path).unwrap())
+            .unwrap();
+    }
+    dir
+}
+
+/// Outputs that are inputs, and files whose format is not written: refused, and every byte is as before.
+#[test]
+fn inputs_are_not_overwritten() {
+    for (name, line, words) in [
+        ("over-input", "render a.obj -o a.obj", ["-o", "a.obj"]),
+        ("over-scene-picture", "render s.toml -o s.toml", ["-o", "s.toml"]),
+        ("over-referenced", "render s.toml -o a.obj", ["-o", "a.obj"]),
+        ("output-jpg", "render a.obj -o o.jpg", [".png", ".exr"]),
+    ] {
+        let dir = input(name);
+        let read = |dir: &Dir| dir.names().iter().map(|n| dir.read(n)).collect::<Vec<_>>();
+        let (names, before) = (dir.names(), read(&dir));
+        dir.run(line).is_error(&words);
+        assert_eq!((dir.names(), read(&dir)), (names, before), "{name}");
+    }
+}
+
+/// What people type who know other programs.
+#[test]
+fn habits_give_what_is_meant() {
+    let run = |name: &str, line: &str| {
+        let dir = input(name);
+        let mut command = dir.command();
+        let words = line.split('|').map(str::trim);
+        let output = command.args(words).output().unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{line}: {text}");
+        (dir, output.stdout, text)
+    };
+    let (_, stdout, stderr) = run("stdout-png", "render | a.obj | -o | - | -q");
+    assert!(stdout.starts_with(b"\x89PNG") && stdout.ends_with(b"IEND\xAE\x42\x60\x82"));
+    assert_eq!(stderr, "");
+    let (_, stdout, _) =
+        run("methods-spaces", "compare | cubes | --size | 32x32 | -m | ab-ll, s-buffer | -q");
+    let table = String::from_utf8(stdout).unwrap();
+    assert!(table.contains("ab-ll") && table.contains("s-buffer"), "{table}");
+    let (_, stdout, _) = run("size-one-number", "render | a.obj | --size | 64 | --json | -q");
+    let report: Value = serde_json::from_slice(&stdout).unwrap();
+    assert_eq!((&report["width"], &report["height"]), (&64.into(), &64.into()));
+    let (dir, ..) =
+        run("new-folder", "compare | cubes | --size | 32x32 | -m | ab-ll | -o | sheets | -q");
+    assert!(dir.path("sheets").is_dir());
+    let (_, stdout, stderr) = run("nothing-in-view", "render | s.toml | --json | -q");
+    let report: Value = serde_json::from_slice(&stdout).unwrap();
+    assert_eq!(report["generated"], 0);
+    assert!(stderr.contains("nothing is in view"), "{stderr}");
+}
+
+#[test]
+fn a_model_on_stdin_is_the_file() {
+    let dir = input("stdin");
+    let (code, stdout, stderr) = piped(&dir, "render - --format obj --json -q", &dir.read("a.obj"));
+    assert_eq!(code, 0, "{stderr}");
+    let report: Value = serde_json::from_str(&stdout).unwrap();
+    let of_file = self::report(&dir, "render a.obj --json -q");
+    assert_eq!(report["image_hash"], of_file["image_hash"]);
+}
+
+/// The link stays, and what it names is there, as any new file is.
+#[cfg(unix)]
+#[test]
+fn a_dangling_link_is_followed() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = input("dangling");
+    std::os::unix::fs::symlink("target.png", dir.path("o.png")).unwrap();
+    let run = dir.run("render a.obj --size 32x32 -o o.png -q");
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(dir.path("o.png").is_symlink() && dir.read("target.png").starts_with(b"\x89PNG"));
+    let mode = |name: &str| fs::metadata(dir.path(name)).unwrap().permissions().mode() & 0o777;
+    fs::write(dir.path("new"), "").unwrap();
+    assert_eq!(mode("target.png"), mode("new"));
+}
+
+/// The reader goes away before anything is written: no panic, and no word about it.
+#[test]
+fn a_reader_that_goes_away_hears_nothing() {
+    let dir = input("guard-closed-pipe-render");
+    let mut command = dir.command();
+    command.args(["render", "a.obj", "--size", "64", "-q", "--json"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(!stderr.contains("panicked") && stderr.is_empty(), "{stderr}");
 }

@@ -24,7 +24,8 @@ use crate::scene;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// A mesh (.obj, .gltf, .glb, .ply, .pcd), a scene file (.toml) or a built-in scene (see `fragloom scenes`)
+    /// A mesh or point set (.obj, .gltf, .glb, .ply, .stl, .pcd, .zip), a scene file (.toml), a built-in scene (see
+    /// `fragloom scenes`), or - for stdin, with --format
     #[arg(value_name = "SCENE")]
     scene: String,
 
