@@ -254,6 +254,16 @@ fn habits_give_what_is_meant() {
     let (_, stdout, _) = run("size-one-number", "render | a.obj | --size | 64 | --json | -q");
     let report: Value = serde_json::from_slice(&stdout).unwrap();
     assert_eq!((&report["width"], &report["height"]), (&64.into(), &64.into()));
+    for size in ["64X64", " 64 x 64 ", "64,64"] {
+        let (_, stdout, _) =
+            run("size-one-number", &format!("render | a.obj | --size | {size} | --json | -q"));
+        let report: Value = serde_json::from_slice(&stdout).unwrap();
+        assert_eq!((&report["width"], &report["height"]), (&64.into(), &64.into()), "{size}");
+    }
+    run("size-one-number", "render | a.obj | --size | 8 | -m | KPLUS-Array | --view | Front | -q");
+    let (dir, ..) =
+        run("new-folder", "compare | cubes | --size | 8 | -m | ab-ll | -o | a/b/c | -q");
+    assert!(dir.path("a/b/c").is_dir());
     let (dir, ..) =
         run("new-folder", "compare | cubes | --size | 32x32 | -m | ab-ll | -o | sheets | -q");
     assert!(dir.path("sheets").is_dir());

@@ -66,7 +66,7 @@ impl Catalogue {
         for name in names.iter().map(|name| name.trim()) {
             let correct = |m: &Method| m.contract().form == Form::Correct;
             let found: Vec<Method> = match name {
-                "all" => self.promised().filter(correct).collect(),
+                all if all.eq_ignore_ascii_case("all") => self.promised().filter(correct).collect(),
                 name if name.contains('*') => {
                     self.promised().filter(|method| matches(name, method.name())).collect()
                 }
@@ -90,7 +90,10 @@ impl Catalogue {
     /// # Errors
     /// No method has that name: the message gives the nearest name, and all names but those of faults.
     pub fn find(&self, place: &str, name: &str) -> Result<Method> {
-        if let Some(method) = self.methods.iter().find(|method| method.name() == name) {
+        let exact = |method: &&Method| method.name() == name;
+        // No two names differ in case alone.
+        let alike = |method: &&Method| method.name().eq_ignore_ascii_case(name);
+        if let Some(method) = self.methods.iter().find(exact).or(self.methods.iter().find(alike)) {
             return Ok(*method);
         }
         let names: Vec<&str> = self.methods.iter().map(Method::name).collect();
@@ -188,7 +191,12 @@ mod tests {
         assert_eq!(select(&["ab-ll", " s-buffer", "ab-ll"]).unwrap(), ["ab-ll", "s-buffer"]);
         assert_eq!(select(&["depth-peel*"]).unwrap().len(), 4);
         assert!(select(&["*@published"]).unwrap().contains(&"kplus-array@published"));
-        assert!(select(&["all"]).unwrap().len() > 40 && select(&["nothing*"]).is_err());
+        assert_eq!(select(&["KPLUS-array"]), select(&["kplus-array"]));
+        let mut names: Vec<String> =
+            Catalogue::built_in().methods().iter().map(|m| m.name().to_lowercase()).collect();
+        names.sort();
+        assert!(names.windows(2).all(|two| two[0] != two[1]), "no two differ in case alone");
+        assert!(select(&["ALL"]).unwrap().len() > 40 && select(&["nothing*"]).is_err());
         assert!([("a*c", "abc"), ("*", ""), ("a**b", "ab")].iter().all(|(p, n)| matches(p, n)));
         assert!(![("a*c", "abd"), ("", "a")].iter().any(|(p, n)| matches(p, n)));
     }

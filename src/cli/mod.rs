@@ -18,7 +18,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::catalogue::{Catalogue, nearest};
 use crate::error::Result;
@@ -134,7 +134,8 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
 }
 
 fn parse(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<Cli, ExitCode> {
-    Cli::try_parse_from(arguments).map_err(|error| {
+    let matches = lenient(command()).try_get_matches_from(arguments);
+    matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
         if !error.use_stderr() {
             let _ = error.print();
             return ExitCode::SUCCESS;
@@ -142,6 +143,15 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<C
         say::error(&unknown_command(&error).unwrap_or_else(|| one_line(&error)));
         ExitCode::from(2)
     })
+}
+
+/// Words that an option can be, in any case.
+fn lenient(command: clap::Command) -> clap::Command {
+    let ignores = |arg: clap::Arg| {
+        let named = !arg.get_possible_values().is_empty() && arg.get_action().takes_values();
+        arg.ignore_case(named)
+    };
+    command.mut_args(ignores).mut_subcommands(lenient)
 }
 
 /// What to say of a name that no command has, if that is the error.

@@ -75,7 +75,7 @@ pub fn check_apart(outputs: &[(&str, &PathBuf)], inputs: &[PathBuf]) -> Result<(
     Ok(())
 }
 
-/// Check that `path` is a folder, or that one can be made there: writing the first file makes it.
+/// Check that `path` is a folder, or that one can be made there, with those around it: writing the first file makes it.
 ///
 /// # Errors
 /// `option`, the path and what would be right.
@@ -86,12 +86,15 @@ pub fn check_folder(option: &str, path: &Path) -> Result<()> {
     if path.exists() {
         return Err(wrong(option, path, "is a file, and must be a folder"));
     }
-    let parent = folder(path);
-    if parent.is_dir() {
-        return Ok(());
+    let around =
+        path.ancestors().skip(1).map(|p| if p == Path::new("") { Path::new(".") } else { p });
+    match around.into_iter().find(|around| around.exists()) {
+        Some(around) if around.is_dir() => Ok(()),
+        around => {
+            let around = around.unwrap_or(path).display();
+            Err(wrong(option, path, &format!("cannot be made: {around} is a file")))
+        }
     }
-    let problem = format!("cannot be made: the folder {} does not exist", parent.display());
-    Err(wrong(option, path, &problem))
 }
 
 /// Write `path` with what `fill` produces; on any error nothing is left behind, and the old file stays.
@@ -128,7 +131,7 @@ where
         return writer.flush();
     }
     if !folder(&path).exists() {
-        fs::create_dir(folder(&path))?;
+        fs::create_dir_all(folder(&path))?;
     }
     let mut file = temporary(folder(&path))?;
     if let Some(there) = there {
@@ -225,10 +228,12 @@ mod tests {
         assert!(check_output("-o", dir.path()).is_err());
         assert!(check_output("-o", Path::new("..")).is_err());
         assert!(check_folder("-o", dir.path()).is_ok() && check_folder("-o", &inside).is_ok());
-        assert!(check_folder("-o", &dir.path().join("missing/out")).is_err());
+        assert!(check_folder("-o", &dir.path().join("missing/out")).is_ok());
+        assert!(check_folder("-o", Path::new("missing")).is_ok());
         let other = dir.path().join("other");
         fs::write(&other, "a file").unwrap();
         assert!(check_folder("-o", &other).is_err());
+        assert!(check_folder("-o", &other.join("below")).is_err());
         let dotted = dir.path().join(".").join("out");
         assert!(check_distinct(&[("-o", &inside), ("--stats", &dotted)]).is_err());
         assert!(check_apart(&[("-o", &dotted)], std::slice::from_ref(&inside)).is_err());

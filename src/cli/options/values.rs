@@ -3,23 +3,25 @@
 use crate::error::{Error, Result};
 use crate::scene::MAX_SIZE;
 
-/// `WxH` in pixels; one number is both edges, and `4k`, `2k` and `8k` are those of screens.
+/// `WxH` in pixels, also with blanks, a capital X or a comma; one number is both edges, and names of screens are theirs.
 ///
 /// # Errors
 /// Wrong syntax, or an edge of 0 or above [`MAX_SIZE`].
 pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2]> {
-    let edges = |(w, h): (&str, &str)| Some([w.parse().ok()?, h.parse().ok()?]);
-    let parsed = match text {
-        "2k" => Some([1_920, 1_080]),
-        "4k" => Some([3_840, 2_160]),
+    let edges = |(w, h): (&str, &str)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]);
+    let own = text.to_lowercase();
+    let parsed = match own.as_str() {
+        "720p" => Some([1_280, 720]),
+        "2k" | "1080p" => Some([1_920, 1_080]),
+        "4k" | "2160p" => Some([3_840, 2_160]),
         "8k" => Some([7_680, 4_320]),
-        _ => edges(text.split_once('x').unwrap_or((text, text))),
+        own => edges(own.split_once(['x', '×', ',']).unwrap_or((own, own))),
     };
     match parsed {
         Some(size) if size.iter().all(|edge| (1..=MAX_SIZE).contains(edge)) => Ok(size),
         _ => {
             let right = format!(
-                "must be WIDTHxHEIGHT, each 1 to {MAX_SIZE} pixels, like 640x480; or one number; or 2k, 4k, 8k"
+                "must be WIDTHxHEIGHT, each 1 to {MAX_SIZE} pixels, like 640x480; or one number; or 720p, 1080p, 2k, 4k, 8k"
             );
             Err(Error::new("--size", format!("{text:?} {right}")))
         }
@@ -92,7 +94,7 @@ mod tests {
         assert_eq!(size("1x16384").unwrap(), [1, 16_384]);
         assert_eq!([size("24").unwrap(), size("4k").unwrap()], [[24, 24], [3_840, 2_160]]);
         for bad in
-            ["0x4", "4x0", "16385x1", "0", "4y", "5k", "4x", "x4", "4x4x4", "-4x4", "4 x 4", ""]
+            ["0x4", "4x0", "16385x1", "0", "4y", "5k", "4x", "x4", "4x4x4", "-4x4", "4x4 px", ""]
         {
             assert_eq!(size(bad).unwrap_err().place(), "--size", "{bad}");
         }

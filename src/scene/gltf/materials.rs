@@ -61,8 +61,13 @@ pub(super) fn read(
     let mut found = None;
     for (table, key) in [(pbr, "baseColorTexture"), (older, "diffuseTexture")] {
         if let Some(info) = table.and_then(|table| json::get(table, key)) {
-            let texture = pictures.texture(info, opacity, &name, tally);
-            found = texture.map_err(|problem| wrong(format!("{key}: {problem}")))?;
+            found = match pictures.texture(info, opacity, &name, tally) {
+                Ok(texture) => texture,
+                Err(problem) => {
+                    tally.add("the texture is left out", || wrong(format!("{key}: {problem}")));
+                    None
+                }
+            };
         }
     }
     let (texture, lying) = found.unzip();

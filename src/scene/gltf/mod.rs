@@ -355,7 +355,10 @@ impl<'a> Loader<'a> {
         if self.model.triangles() == 0 {
             if !self.gone {
                 let problem = "meshes: the scene has no triangle; it needs at least one";
-                return Err(Error::new(place, problem.to_owned() + &self.tally.reasons()));
+                return Err(Error::new(
+                    place,
+                    problem.to_owned() + &self.tally.reasons(primitive::is_left_out),
+                ));
             }
             // Nothing is what is to be seen.
             let mesh = Arc::new(Mesh::default());

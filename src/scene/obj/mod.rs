@@ -36,7 +36,7 @@ pub fn parse(
     let (groups, said) = reader.finish();
     if groups.is_empty() {
         let problem = "f: there is no face; it needs at least one";
-        return Err(Error::new(place, problem.to_owned() + &said.tally.reasons()));
+        return Err(Error::new(place, problem.to_owned() + &said.tally.reasons(|_| true)));
     }
     let (looks, missing) = libraries(&said.libraries, library);
     let mut tally = said.tally;

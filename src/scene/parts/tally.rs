@@ -15,10 +15,11 @@ impl Tally {
         }
     }
 
-    /// Why nothing is left, for the error that says so; empty where nothing was left out.
-    pub(in crate::scene) fn reasons(&self) -> String {
-        let reasons = self.kinds.iter().map(|(kind, first, _)| format!("{first}: {kind}"));
-        let reasons: Vec<String> = reasons.collect();
+    /// Why nothing is left, for the error that says so: what was met of some kinds; empty where it was none of them.
+    pub(in crate::scene) fn reasons(&self, is_reason: impl Fn(&str) -> bool) -> String {
+        let found = self.kinds.iter().filter(|(kind, ..)| is_reason(kind));
+        let reasons: Vec<String> =
+            found.map(|(kind, first, _)| format!("{first}: {kind}")).collect();
         if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) }
     }
 
