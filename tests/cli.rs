@@ -65,8 +65,9 @@ fn shells_and_manuals_are_served() {
     }
     fs::write(dir.path("file"), "kept").unwrap();
     dir.run("man file").is_error(&["DIR:", "file"]);
-    dir.run("man no/folder").is_error(&["DIR:", "no/folder"]);
-    assert_eq!(dir.names(), ["file", "pages"]);
+    dir.run("man file/below").is_error(&["DIR:", "file"]);
+    assert_eq!(dir.run("man a/b").code, 0, "folders within folders");
+    assert_eq!(dir.names(), ["a", "file", "pages"]);
     assert_eq!(dir.read("file"), b"kept");
 }
 
@@ -186,8 +187,8 @@ fn outputs_are_checked_before_anything_runs() {
     dir.run("render missing.obj -o a.png --stats ./a.png").is_error(&["--stats:", "-o"]);
     dir.run("render missing.obj -o a.jpg").is_error(&["-o:", "a.jpg", ".png, .ppm, .pfm or .exr"]);
     dir.run("render missing.obj -o - --json").is_error(&["--json:", "stdout"]);
-    dir.run("compare missing.obj -o no/folder").is_error(&["-o:", "no/folder"]);
     fs::write(dir.path("file"), "kept").unwrap();
+    dir.run("compare missing.obj -o file/below").is_error(&["-o:", "file"]);
     dir.run("compare missing.obj -o file").is_error(&["-o:", "file"]);
     assert_eq!(dir.names(), ["file"]);
     assert_eq!(dir.read("file"), b"kept");
