@@ -188,7 +188,10 @@ fn bad_materials_are_named() {
         ("newmtl a\nd x", "a.mtl: line 2: d: \"x\" is not a finite number"),
         ("newmtl a\nKd 2 0 0", "material \"a\": Kd: 2: is not within 0 to 1 and is clamped"),
         ("newmtl a\nTr 7", "material \"a\": opacity by d or Tr: -6: is not within"),
-        ("newmtl a\nmap_Kd x.png", "material \"a\": map_Kd x.png: pictures are not drawn"),
+        (
+            "newmtl a\nmap_Kd x.png",
+            "material \"a\": map_Kd x.png: not found: the picture is left out",
+        ),
     ] {
         let text = format!("mtllib a.mtl\n{SQUARE}usemtl a\nf 1 2 3");
         let warnings = with_library(&text, mtl).unwrap().warnings;

@@ -8,7 +8,7 @@ use base64::prelude::BASE64_STANDARD;
 use fragloom::error::Result;
 use fragloom::image::{Image, png};
 use fragloom::raster::{CullFace, FrontEnd, Grid};
-use fragloom::scene::{Overrides, Scene, load};
+use fragloom::scene::{Overrides, Scene, Shading, load};
 use serde_json::{Value, json};
 
 const RED: [u8; 4] = [255, 0, 0, 255];
@@ -324,5 +324,59 @@ fn broken_indices_are_named() {
         for part in ["material", "baseColorTexture", said, "the texture is left out"] {
             assert!(scene.warnings[0].contains(part), "{part}: {:?}", scene.warnings);
         }
+    }
+}
+
+/// The pane as an OBJ file, with a library in a folder, whose material has these lines.
+fn obj(lines: &str) -> (BTreeMap<[u8; 4], u32>, Vec<String>, Vec<std::path::PathBuf>) {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
+    fs::create_dir(folder.path().join("looks")).unwrap();
+    write("looks/the picture.png", &picture());
+    write("looks/a.mtl", format!("newmtl a\nillum 0\n{lines}\n").as_bytes());
+    let model = "mtllib looks/a.mtl\nusemtl a\nv 8 8 0\nv 24 8 0\nv 24 24 0\nv 8 24 0\n\
+        vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+    write("m.gltf", b"");
+    write("m.obj", model.as_bytes());
+    write("s.toml", SCENE.replace("m.gltf", "m.obj").as_bytes());
+    let overrides = Overrides { shading: Some(Shading::Flat), ..Overrides::default() };
+    let scene = load(folder.path().join("s.toml").to_str().unwrap(), &overrides).unwrap();
+    (words(&scene), scene.warnings, scene.files)
+}
+
+/// Between the centres of texels colours are mixed, so the corners tell: clamped, they are the texels.
+fn has_all(words: &BTreeMap<[u8; 4], u32>, texels: [[u8; 4]; 4]) -> bool {
+    texels.iter().all(|texel| words.contains_key(texel))
+}
+
+#[test]
+fn materials_of_libraries_have_pictures_too() {
+    let opaque = |[r, g, b, _]: [u8; 4]| [r, g, b, 255];
+    let texels = [RED, GREEN, BLUE, WHITE];
+    let (drawn, warnings, files) = obj("map_Kd -clamp on the picture.png");
+    assert!(has_all(&drawn, texels.map(opaque)), "{drawn:?}");
+    assert_eq!(drawn.values().sum::<u32>(), 256);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert!(files.iter().any(|file| file.ends_with("looks/the picture.png")), "{files:?}");
+    let half = |[r, g, b, _]: [u8; 4]| [r, g, b, 128];
+    let (drawn, ..) = obj("d 0.5\nmap_Kd -clamp on the picture.png");
+    assert!(has_all(&drawn, texels.map(half)), "the opacity is the material's: {drawn:?}");
+    let (drawn, ..) = obj("Kd 1 0 1\nmap_Kd -clamp on the picture.png");
+    assert!(
+        has_all(&drawn, [RED, [0, 0, 0, 255], BLUE, [255, 0, 255, 255]].map(opaque)),
+        "{drawn:?}"
+    );
+    let (drawn, warnings, _) = obj("map_Kd -clamp on the picture.png\nmap_d the picture.png");
+    assert!(has_all(&drawn, texels), "its own opacity: {drawn:?}");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    for (lines, said) in [
+        ("map_Kd gone.png", "map_Kd gone.png: not found"),
+        ("map_Kd a.mtl", "map_Kd a.mtl: must be PNG or JPEG"),
+        ("map_d the picture.png", "map_d the picture.png: opacity is only read"),
+        ("map_Kd -s 2 2 -mm 0 1 the picture.png", "options that move a picture"),
+    ] {
+        let (drawn, warnings, _) = obj(lines);
+        assert_eq!(drawn.values().sum::<u32>(), 256, "{lines}");
+        assert!(warnings.len() == 1 && warnings[0].contains(said), "{lines}: {warnings:?}");
     }
 }

@@ -6,14 +6,11 @@ use serde_json::Value;
 
 use super::super::model::Unplaced;
 use super::super::parts::Tally;
-use super::super::texture::{Opacity, Picture, Texture, Wrap};
+use super::super::texture::{MAX_TEXELS, Opacity, Picture, Texture, Wrap};
 use super::accessor::Data;
 use super::buffers::{Source, source};
 use super::json;
 use crate::error::Result;
-
-/// The most texels of all pictures of a file.
-const MOST: usize = 1 << 28;
 
 /// How a picture lies on a mesh: by which of its coordinates, moved by `KHR_texture_transform`.
 #[derive(Clone, Copy, Debug)]
@@ -120,9 +117,9 @@ impl<'a> Pictures<'a> {
             }
         };
         let picture = Picture::of_file(bytes)?;
-        self.texels += picture.size().map(|edge| edge as usize).iter().product::<usize>();
-        if self.texels > MOST {
-            return Err(format!("all pictures together have more than {MOST} texels"));
+        self.texels += picture.texels();
+        if self.texels > MAX_TEXELS {
+            return Err(format!("all pictures together have more than {MAX_TEXELS} texels"));
         }
         Ok(picture)
     }

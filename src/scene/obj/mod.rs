@@ -3,12 +3,14 @@
 
 mod group;
 mod mtl;
+mod picture;
 mod reader;
 mod vertices;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use self::mtl::Look;
+use self::picture::Pictures;
 use self::reader::Reader;
 use super::model::GREY;
 use super::parts::{decode, lines};
@@ -50,18 +52,34 @@ pub fn parse(
         known.insert(&look.name, model.add_material(look.material(plain, &mut tally)));
     }
     let plain = model.add_material(Material::new("default", plain, 1.0));
-    let mut unknown = BTreeSet::new();
+    let (mut unknown, mut textured) = (BTreeSet::new(), BTreeSet::new());
+    let mut pictures = Pictures::new(library);
     for group in groups {
         let name = &said.names[group.material];
         let material = find(&known, name);
         if let Some(look) = material.and_then(|i| looks.get(i)) {
-            look.warn_of_pictures(&mut tally);
+            let used = material.is_some_and(|i| textured.insert(i));
+            if used {
+                let maps = [look.color.as_ref(), look.opacity.as_ref()];
+                let found = pictures.texture(&look.name, maps, &look.folder, &mut tally);
+                if let Some(i) = material {
+                    model.materials[i].texture = found;
+                }
+            }
         } else if !name.is_empty() {
             unknown.insert(name.clone());
         }
-        let mesh: Mesh = group.mesh();
+        let mut mesh: Mesh = group.mesh();
+        let material = material.unwrap_or(plain);
+        if model.materials[material].texture.is_none() {
+            mesh.places = Vec::new();
+        } else if mesh.places.is_empty() {
+            tally.add("some corners say nothing of the picture, which is left out", || {
+                format!("material {name:?}")
+            });
+        }
         check::mesh(place, &mesh)?;
-        model.add_mesh(mesh, material.unwrap_or(plain));
+        model.add_mesh(mesh, material);
     }
     model.warnings = gaps(&missing, &unknown.into_iter().collect::<Vec<_>>(), place);
     model.warnings.extend(tally.warnings(place));
@@ -134,6 +152,7 @@ fn libraries(
             let beside = |named: &String| Some(folder?.join(named).to_str()?.to_owned());
             let beside: Vec<String> = look.named.iter().filter_map(beside).collect();
             look.named.extend(beside);
+            look.folder = folder.and_then(|f| f.to_str()).unwrap_or_default().to_owned();
             looks.push(look);
         }
         there

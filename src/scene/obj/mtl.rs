@@ -1,10 +1,11 @@
-//! MTL: colour, opacity and the names of pictures. A line that is wrong is left out with a warning.
+//! MTL: colour, opacity and pictures. A line that is wrong is left out with a warning.
 
 use std::ops::RangeInclusive;
 
 use super::super::Material;
 use super::super::parts::{Tally, decode};
-use super::{clipped, number, split, statements};
+use super::picture::Map;
+use super::{number, split, statements};
 
 /// What a library says of one material.
 #[derive(Clone, Debug, Default)]
@@ -13,8 +14,11 @@ pub(super) struct Look {
     kd: Option<[f64; 3]>,
     d: Option<f64>,
     tr: Option<f64>,
-    /// The lines that name pictures of the colour or the opacity.
-    pictures: Vec<String>,
+    /// Pictures of the colour and the opacity.
+    pub(super) color: Option<Map>,
+    pub(super) opacity: Option<Map>,
+    /// The folder of the library, relative to what names it.
+    pub(super) folder: String,
     /// Files that are named as pictures of anything, relative to the library or to what names it.
     pub(super) named: Vec<String>,
     /// What is wrong with lines.
@@ -60,7 +64,8 @@ impl Look {
                 self.d = Some(numbers(rest.trim_start_matches("-halo"), "d", 1..=1)?[0]);
             }
             "Tr" => self.tr = Some(numbers(rest, "Tr", 1..=1)?[0]),
-            "map_Kd" | "map_d" => self.pictures.push(format!("{keyword} {}", clipped(rest))),
+            "map_Kd" => self.color = Some(Map::parse(rest)),
+            "map_d" => self.opacity = Some(Map::parse(rest)),
             _ => {}
         }
         Ok(())
@@ -74,18 +79,12 @@ impl Look {
         let name = &self.name;
         let mut channel =
             |value, field| tally.clamped(value, || format!("material {name:?}: {field}"));
+        // What the library does not say must not darken a picture.
+        let plain = if self.color.is_some() { [1.0; 3] } else { plain };
         let color = self.kd.map_or(plain, |kd| kd.map(|value| channel(value, "Kd")));
         let alpha = self.d.or(self.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0);
         let alpha = channel(alpha, "opacity by d or Tr");
         Material::new(name, color, alpha)
-    }
-
-    /// Says which pictures a material that is used would show.
-    pub(super) fn warn_of_pictures(&self, tally: &mut Tally) {
-        for picture in &self.pictures {
-            let name = &self.name;
-            tally.add("pictures are not drawn", || format!("material {name:?}: {picture}"));
-        }
     }
 }
 

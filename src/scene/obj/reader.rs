@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::model::Unplaced;
 use super::super::parts::{Cutter, Tally};
-use super::group::{Group, NONE};
+use super::group::{Corner, Group, NONE};
 use super::vertices::Vertices;
 use super::{clipped, number, split};
 
@@ -26,7 +26,6 @@ pub(super) struct Reader {
     vertices: Vertices,
     /// What is wrong with vertices, by number; no face may use them.
     broken: BTreeMap<usize, (usize, String)>,
-    texcoords: usize,
     /// How many faces have normals at all corners, and how many do not.
     faces: [usize; 2],
     numbers: BTreeMap<String, usize>,
@@ -47,8 +46,15 @@ impl Reader {
             "v" => self.vertex(line, rest),
             "vn" => self.normal(line, rest),
             "vt" => {
-                self.texcoords += 1;
-                if rest.split_whitespace().any(|word| number(word).is_err()) {
+                let values: Vec<_> = rest.split_whitespace().map(number).collect();
+                // v goes up from the lower edge; it may be missing.
+                let place = match values[..] {
+                    [Ok(u), Ok(v), ..] => [u, 1.0 - v],
+                    [Ok(u)] => [u, 1.0],
+                    _ => [f64::NAN; 2],
+                };
+                self.vertices.places.push(place.map(|c| c as f32));
+                if values.iter().any(Result::is_err) {
                     left_out("texture coordinates are wrong; they are not used");
                 }
             }
@@ -180,13 +186,13 @@ impl Reader {
         }
         let corners = words.into_iter().map(|word| self.corner(line, word));
         let mut corners = corners.collect::<Unplaced<Vec<_>>>()?;
-        let smooth = corners.iter().all(|&(_, normal)| normal != NONE);
+        let smooth = corners.iter().all(|corner| corner.normal != NONE);
         self.faces[usize::from(smooth)] += 1;
         if !smooth {
-            corners.iter_mut().for_each(|(_, normal)| *normal = NONE);
+            corners.iter_mut().for_each(|corner| corner.normal = NONE);
         }
         let outline: Vec<_> =
-            corners.iter().map(|&(v, _)| self.vertices.positions[v as usize]).collect();
+            corners.iter().map(|c| self.vertices.positions[c.vertex as usize]).collect();
         let (triangles, whole) = self.cutter.cut(&outline);
         if !whole {
             self.said.tally.add("the outline of the face crosses itself", || {
@@ -194,20 +200,17 @@ impl Reader {
             });
         }
         for triangle in triangles {
-            let triangle = triangle.map(|i| {
-                let (vertex, normal) = corners[i as usize];
-                self.group.corner(vertex, normal)
-            });
+            let triangle = triangle.map(|i| self.group.corner(corners[i as usize]));
             self.group.triangles.push(triangle);
         }
         Ok(())
     }
 
-    /// The vertex and the normal, from 0, of one corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&mut self, line: usize, word: &str) -> Unplaced<(u32, u32)> {
+    /// One corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&mut self, line: usize, word: &str) -> Unplaced<Corner> {
         let mut parts = word.split('/');
         let vertex = index(parts.next(), "vertex", self.vertices.positions.len())?;
-        let texcoord = index(parts.next(), "texture coordinate", self.texcoords);
+        let texcoord = index(parts.next(), "texture coordinate", self.vertices.places.len());
         let normal = index(parts.next(), "normal", self.vertices.normals.len());
         let (Some(vertex), None) = (vertex, parts.next()) else {
             return Err(format!("f: {:?} is not v, v/vt, v//vn or v/vt/vn", clipped(word)));
@@ -219,10 +222,15 @@ impl Reader {
             self.said.tally.add("it is left out", || format!("line {line}: {problem}"));
             None
         };
-        texcoord.unwrap_or_else(&mut left_out);
+        let texcoord = texcoord.unwrap_or_else(&mut left_out);
         let normal = normal.unwrap_or_else(&mut left_out);
         let whole = |&normal: &usize| self.vertices.normals[normal].iter().all(|v| v.is_finite());
-        Ok((vertex as u32, normal.filter(whole).map_or(NONE, |normal| normal as u32)))
+        let lies = |&at: &usize| self.vertices.places[at].iter().all(|c| c.is_finite());
+        Ok(Corner {
+            vertex: vertex as u32,
+            normal: normal.filter(whole).map_or(NONE, |normal| normal as u32),
+            texcoord: texcoord.filter(lies).map_or(NONE, |texcoord| texcoord as u32),
+        })
     }
 }
 

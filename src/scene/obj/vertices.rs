@@ -6,6 +6,8 @@ pub(super) struct Vertices {
     pub(super) positions: Vec<[f64; 3]>,
     /// Not finite where they are broken.
     pub(super) normals: Vec<[f32; 3]>,
+    /// In a picture, from its upper left corner; not finite where they are broken.
+    pub(super) places: Vec<[f32; 2]>,
     /// As many as positions, if all vertices have one.
     colors: Vec<[f32; 3]>,
     alphas: Vec<f32>,

@@ -15,6 +15,9 @@ use self::decode::decode;
 use crate::image::Image;
 use crate::num::color;
 
+/// The most texels of all pictures of a file.
+pub(super) const MAX_TEXELS: usize = 1 << 28;
+
 /// A picture, how it goes on beyond its edges, and what its opacity means.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -73,6 +76,15 @@ impl Picture {
         Self::new(decode(bytes)?).ok_or_else(|| "has no pixels".to_owned())
     }
 
+    /// The same, opaque.
+    #[must_use]
+    pub fn opaque(self) -> Self {
+        let mut image = self.image;
+        image.pixels.iter_mut().for_each(|pixel| pixel[3] = 255);
+        let checksum = checksum(&image);
+        Self { image, checksum }
+    }
+
     /// Width and height, pixels.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
@@ -85,10 +97,20 @@ impl Picture {
         if image.pixels.is_empty() {
             return None;
         }
-        let mut crc = flate2::Crc::new();
-        image.pixels.iter().for_each(|pixel| crc.update(pixel));
-        Some(Self { image, checksum: crc.sum() })
+        let checksum = checksum(&image);
+        Some(Self { image, checksum })
     }
+
+    /// How many texels it has.
+    pub(super) fn texels(&self) -> usize {
+        self.image.pixels.len()
+    }
+}
+
+fn checksum(image: &Image) -> u32 {
+    let mut crc = flate2::Crc::new();
+    image.pixels.iter().for_each(|pixel| crc.update(pixel));
+    crc.sum()
 }
 
 /// In few words, however large it is.
