@@ -15,7 +15,7 @@ use serde_json::Value;
 use support::Dir;
 
 const QUAD: &str = "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n";
-const LIBRARY: &str = "newmtl a\nKd 1 0 0\nd 0.25\nmap_Kd -s 2 2 2 wood.png\n";
+const LIBRARY: &str = "newmtl a\nKd 1 0 0\nd 0.25\nmap_Kd -s 2 2 2 wood.png\nmap_Ks -clamp on -mm 0 1 \"old wood.png\"\n";
 const SMALL: &str = "--size 32 --json -q";
 
 /// A folder with these files.
@@ -137,6 +137,11 @@ fn pictures_of_materials_are_not_overwritten() {
             run.is_error(&["wood.png", "input"]);
         }
     }
+    fs::write(dir.path("old wood.png"), &picture).unwrap();
+    let mut command = dir.command();
+    let output = command.args(["render", "a.obj", "-o", "old wood.png"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "options and blanks before a name do not hide it");
+    fs::remove_file(dir.path("old wood.png")).unwrap();
     assert_eq!(dir.read("wood.png"), picture);
     assert_eq!(dir.names(), ["a.mtl", "a.obj", "b.bin", "m.gltf", "s.toml", "wood.png"]);
 }

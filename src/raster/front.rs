@@ -303,12 +303,6 @@ impl FrontEnd {
         });
     }
 
-    /// Whether some primitives are not there at all pixels that they cover.
-    #[must_use]
-    pub fn is_masked(&self) -> bool {
-        self.masked
-    }
-
     /// Fragments of each tile in one geometry pass, without generating them.
     #[must_use]
     pub fn count_fragments(&self) -> Vec<u64> {

@@ -17,15 +17,14 @@ pub(super) enum Found {
 }
 
 /// Why primitives are not drawn.
-const LEFT_OUT: [&str; 3] = [
-    "points and lines are not drawn",
-    "has no POSITION, and is left out",
-    "KHR_draco_mesh_compression is not supported, and there is no plain mesh beside it",
-];
+const NO_TRIANGLES: &str = "points and lines are not drawn";
+const NO_POSITION: &str = "has no POSITION, and is left out";
+const PACKED: &str =
+    "KHR_draco_mesh_compression is not supported, and there is no plain mesh beside it";
 
 /// Whether a warning of that kind says why a primitive is not drawn.
 pub(super) fn is_left_out(kind: &str) -> bool {
-    LEFT_OUT.contains(&kind)
+    [NO_TRIANGLES, NO_POSITION, PACKED].contains(&kind)
 }
 
 impl Data<'_> {
@@ -40,19 +39,19 @@ impl Data<'_> {
         let wrong = |problem: String| self.wrong(name, &problem);
         let mode = json::index(value, "mode").map_err(wrong)?.unwrap_or(4);
         match mode {
-            0..=3 => return Ok(Found::LeftOut(LEFT_OUT[0])),
+            0..=3 => return Ok(Found::LeftOut(NO_TRIANGLES)),
             4..=6 => {}
             _ => return Err(wrong("mode: must be 0 to 6".to_owned())),
         }
         let attributes = json::get(value, "attributes").unwrap_or(&Value::Null);
         let attribute = |key: &str| json::index(attributes, key).map_err(wrong);
         let Some(positions) = attribute("POSITION")? else {
-            return Ok(Found::LeftOut(LEFT_OUT[1]));
+            return Ok(Found::LeftOut(NO_POSITION));
         };
         if json::deep(value, &["extensions", "KHR_draco_mesh_compression"]).is_some()
             && !self.has_data(positions)
         {
-            return Ok(Found::LeftOut(LEFT_OUT[2]));
+            return Ok(Found::LeftOut(PACKED));
         }
         let mut positions = self.numbers(positions, &[3], &format!("{name}: POSITION"))?;
         let mut optional = |key: &str, widths: &[usize]| {

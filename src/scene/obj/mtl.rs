@@ -47,9 +47,7 @@ const PICTURES: [&str; 6] = ["bump", "disp", "decal", "refl", "norm", "disp_map"
 impl Look {
     fn line(&mut self, keyword: &str, rest: &str) -> Result<(), String> {
         if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
-            // Options may stand before the name, and the name may have blanks.
-            self.named.push(rest.replace('\\', "/"));
-            self.named.extend(rest.rsplit(char::is_whitespace).next().map(str::to_owned));
+            self.named.push(Map::parse(rest).name);
         }
         match keyword {
             // The other forms give a spectrum or CIE coordinates, which are not used in practice.

@@ -12,7 +12,7 @@ use super::clipped;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Map {
     /// As written, behind the options; it may have blanks.
-    name: String,
+    pub(super) name: String,
     clamp: bool,
     /// An option that changes how it lies is not followed.
     moved: bool,
