@@ -233,7 +233,7 @@ fn an_invocation_that_gives_up_waiting_is_run_again() {
             let shape = Shape::new(method, band.config(contract, None)).expect("a method");
             let constants = constants(&shape, record, picture.background);
             let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
-            let triangles = Triangles::new(&band, record);
+            let triangles = Triangles::new(&band, record, true);
             let raster = Raster::new(&program, &band, &triangles).expect("triangles");
             let drawn = program.run(|function| raster.draw(function)).map(|()| program.again());
             assert_eq!(drawn, right);

@@ -21,8 +21,10 @@ use crate::scheme::program::PassKind;
 const WORKGROUP: u64 = 64;
 const ROW: u64 = 32_768;
 
-/// Fragments of one submission on the compute path.
-pub const CHUNK: usize = 1 << 20;
+/// Fragments of one submission on the compute path; and where invocations wait for each other: so few that all of them
+/// may give up before a watchdog ends the submission, and the device with it.
+const CHUNK: usize = 1 << 20;
+const WAITING_CHUNK: usize = 1 << 16;
 
 /// How often an invocation that gives up waiting is run.
 const PATIENCE: u32 = 1_000;
@@ -337,7 +339,8 @@ impl<'d> Program<'d> {
     /// # Errors
     /// Any error of the device; or an invocation that waits forever.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
-        fragments.chunks(CHUNK).try_for_each(|chunk| {
+        let chunk = if self.twin.waits() { WAITING_CHUNK } else { CHUNK };
+        fragments.chunks(chunk).try_for_each(|chunk| {
             self.invoke(function, chunk.iter().map(words_of).collect())?;
             Ok(())
         })

@@ -109,6 +109,18 @@ pub enum Path {
     Raster,
 }
 
+impl Path {
+    /// Attempts to take a lock before an invocation gives up: fewer than the 65,535 iterations after which some drivers
+    /// end any loop. On the compute path an invocation that has given up is rerun, and given up for good at last; the
+    /// raster path only has to be left.
+    fn patience(self) -> u64 {
+        match self {
+            Self::Compute => 1 << 15,
+            Self::Raster => 1 << 12,
+        }
+    }
+}
+
 impl Twin {
     /// Whether the twin defines a function.
     #[must_use]
@@ -156,7 +168,7 @@ impl Twin {
             Path::Compute => ENTRIES,
             Path::Raster => RASTER_ENTRIES,
         };
-        let mut text = constants.text();
+        let mut text = constants.clone().with("PATIENCE", path.patience()).text();
         let mut seen = Vec::new();
         include(self.text, &mut seen, &mut text)?;
         for (function, file) in entries {
