@@ -181,3 +181,24 @@ fn devices_are_timed_beside_the_simulator() {
         assert_eq!(row["fragments"], 4 * 64 * 64, "{row}");
     }
 }
+
+/// Litmus pixels have processes of their own, too, and say the same as in one.
+#[test]
+fn litmus_pixels_are_run_apart() {
+    let dir = Dir::new();
+    let all = adapters(&dir, "litmus pixels in processes of their own");
+    if all.is_empty() {
+        return;
+    }
+    let line = "crosscheck --litmus --repeats 1 -m ab-array --json";
+    let [apart, here] = ["", " --in-process"].map(|more| dir.run(&format!("{line}{more}")));
+    assert_eq!((apart.code, here.code), (0, 0), "{apart:?} {here:?}");
+    assert_eq!(apart.json()["conformance"], here.json()["conformance"]);
+    let runs = |run: &Run| {
+        let Value::Array(rows) = run.json()["stress"].clone() else { panic!("a list: {run:?}") };
+        let of = |row: &Value| ["adapter", "method", "runs", "possible"].map(|f| row[f].clone());
+        rows.iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(runs(&apart), runs(&here));
+    assert_eq!(runs(&apart).len(), all.len());
+}

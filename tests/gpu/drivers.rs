@@ -1,6 +1,6 @@
 //! What drivers compute.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use fragloom::gpu::check::compare::compare;
 use fragloom::gpu::check::conform::{self, conform};
@@ -22,11 +22,15 @@ use fragloom::scene::Scene;
 use super::merging::mutant_part;
 use super::support::{contract, method, scene, small_scenes};
 
-/// Drivers on CPUs take all cores: one test at a time.
-static TURN: Mutex<()> = Mutex::new(());
+/// Drivers on CPUs take all cores, and what depends on time has them alone.
+static TURN: RwLock<()> = RwLock::new(());
 
-pub(super) fn turn() -> MutexGuard<'static, ()> {
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+pub(super) fn turn() -> RwLockReadGuard<'static, ()> {
+    TURN.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn alone() -> RwLockWriteGuard<'static, ()> {
+    TURN.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All devices; or none, and a line that says so, unless they are demanded.
@@ -213,7 +217,7 @@ fn ties_may_be_confused_and_nothing_else() {
 /// failure.
 #[test]
 fn an_invocation_that_gives_up_waiting_is_run_again() {
-    let _turn = turn();
+    let _turn = alone();
     let second_time = "attempt < select(0u, PATIENCE, fragment.outcome == STUCK)";
     let late = mutant("kplus-array", "attempt < PATIENCE", second_time);
     let never = mutant("kplus-array", "attempt < PATIENCE", "attempt < 0u");
@@ -430,7 +434,7 @@ fn a_finer_grid_than_the_device_has_is_seen() {
 /// 65,535 iterations, and come back.
 #[test]
 fn a_hang_is_survived() {
-    let _turn = turn();
+    let _turn = alone();
     let slow =
         "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
     let twin = mutant("ab-ll", "let node", slow);

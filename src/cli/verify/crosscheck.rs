@@ -74,7 +74,7 @@ pub(in crate::cli) struct Args {
 
     /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's;
     /// then thousands of copies at once, their outcomes counted against all that interleavings allow
-    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k", "thickness", "in_process", "limit"])]
+    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k", "thickness"])]
     litmus: bool,
 
     /// With `--litmus`, how often each litmus pixel's copies are run, in each of three orders
@@ -158,7 +158,10 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     }
     let options = options(catalogue, args)?;
     if args.litmus {
-        return litmus::run(args, &options);
+        return match &args.worker {
+            Some(name) => litmus::work(args, &options, name),
+            None => litmus::run(args, &options),
+        };
     }
     asked::thickness(args)?;
     let subjects = asked::subjects(args)?;

@@ -2,7 +2,7 @@
 //! after each, all words must be the same, and so must the invocation's outcome for its fragment. So a verdict about
 //! one holds for the other, as far as single invocations are concerned.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use wgpu::{BufferUsages, ShaderStages};
 
 use super::seen::{Judged, Seen, difference};
@@ -34,7 +34,7 @@ use crate::scheme::{Config, Outcome};
 const SLOT: u64 = 256;
 
 /// What was compared on a device for one method.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conformance {
     /// The adapter.
     pub adapter: String,

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
@@ -54,7 +54,7 @@ impl Default for Extent {
 }
 
 /// The results of a method's litmus pixels on a device.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stressed {
     /// The adapter.
     pub adapter: String,

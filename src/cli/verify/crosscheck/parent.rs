@@ -5,9 +5,9 @@
 use std::time::Duration;
 
 use super::asked::{self, Subject};
-use super::process::Process;
+use super::process::{Line, Process};
 use super::rows::Rows;
-use super::worker::Line;
+use super::worker;
 use super::{Args, FragmentOrder};
 use crate::cli::terminal::wait;
 use crate::error::Result;
@@ -103,7 +103,7 @@ fn process(
     at: &mut usize,
     rows: &mut Rows<'_>,
 ) -> Result<Ended> {
-    let mut worker = Process::start(&arguments(args, unit, *at))?;
+    let mut process = Process::start(&arguments(args, unit, *at))?;
     rows.ask(unit.twin.method)?;
     let silence = Duration::from_secs(2 * args.limit + 5);
     let mut is_open = false;
@@ -113,9 +113,9 @@ fn process(
             Some(subject) => rows.doing(&unit.blank(subject)),
             None => format!("ending {}", unit.twin.method),
         };
-        let line = wait::during(args.output.quiet, &message, || worker.next(silence));
+        let line = wait::during(args.output.quiet, &message, || process.next(silence));
         let (status, why) = match line {
-            Ok(Line::Alive) => continue,
+            Ok(Line::Alive | Line::Litmus(_)) => continue,
             Ok(Line::Opened) => {
                 is_open = true;
                 continue;
@@ -132,7 +132,7 @@ fn process(
             }
             Err(silence) => silence,
         };
-        drop(worker);
+        drop(process);
         let Some(subject) = subject else { return Ok(Ended::Done) };
         if !is_open {
             let why = format!("the adapter cannot be opened: {why}");
@@ -148,7 +148,7 @@ fn process(
 fn arguments(args: &Args, unit: &Unit, from: usize) -> Vec<String> {
     let mut all: Vec<String> = vec!["crosscheck".to_owned()];
     let mut option = |name: &str, value: String| all.extend([name.to_owned(), value]);
-    option("--worker", format!("{}\n{}", unit.adapter.name, unit.adapter.driver));
+    option("--worker", worker::named(&unit.adapter));
     option("--from", from.to_string());
     option("--method", unit.twin.method.name().to_owned());
     option("--path", unit.path.to_string());

@@ -6,9 +6,35 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use super::worker::Line;
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
-use crate::gpu::check::crosscheck::Status;
+use crate::gpu::check::conform::Conformance;
+use crate::gpu::check::crosscheck::{Agreement, Status};
+use crate::gpu::check::stress::Stressed;
+
+/// What a worker says.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Line {
+    /// The device is open.
+    Opened,
+    /// It cannot be opened.
+    Refused(String),
+    /// Submissions come back.
+    Alive,
+    /// A row is finished.
+    Row(Box<Agreement>),
+    /// The litmus pixels of a method are finished.
+    Litmus(Box<Litmus>),
+}
+
+/// What `--litmus` prints.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(super) struct Litmus {
+    pub(super) conformance: Vec<Conformance>,
+    pub(super) stress: Vec<Stressed>,
+}
 
 /// Why there is nothing more.
 pub(super) type Silence = (Status, String);

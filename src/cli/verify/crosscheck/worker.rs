@@ -6,9 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-
 use super::asked::{self, Subject};
+use super::process::Line;
 use super::{Args, row_without};
 use crate::cli::Verdict;
 use crate::error::{Error, Result};
@@ -16,25 +15,32 @@ use crate::gpu::check::backend::Backend;
 use crate::gpu::check::crosscheck::{self, Agreement, Options, Status};
 use crate::gpu::check::double::Double;
 use crate::gpu::check::open::{self, Opened};
+use crate::gpu::driver::device::AdapterName;
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::picture::Picture;
 
-/// What a worker says.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Line {
-    /// The device is open.
-    Opened,
-    /// It cannot be opened.
-    Refused(String),
-    /// Submissions come back.
-    Alive,
-    /// A row is finished.
-    Row(Box<Agreement>),
+/// An adapter, as a worker is told of it.
+pub(super) fn named(adapter: &AdapterName) -> String {
+    format!("{}\n{}", adapter.name, adapter.driver)
+}
+
+/// Open it; from then on, there are signs of life.
+///
+/// # Errors
+/// The name is none.
+pub(super) fn open(args: &Args, name: &str) -> Result<std::result::Result<Opened, Failure>> {
+    let (name, driver) = name
+        .split_once('\n')
+        .ok_or_else(|| Error::new("--worker", "must be a name and a driver"))?;
+    Ok(open::one(name, driver).map(|mut opened| {
+        opened.device.patience = args.limit;
+        give_signs_of_life(Arc::clone(&opened.device.submissions));
+        opened
+    }))
 }
 
 /// Say it; without a reader there is no reason to go on.
-fn tell(line: &Line) {
+pub(super) fn tell(line: &Line) {
     let mut text = serde_json::to_string(line).unwrap_or_default();
     text.push('\n');
     let mut out = std::io::stdout().lock();
@@ -70,14 +76,7 @@ impl Device {
         if let Some(faults) = &args.test_double {
             return Double::open(faults).map(|double| Ok(Self::Double(double)));
         }
-        let (name, driver) = name
-            .split_once('\n')
-            .ok_or_else(|| Error::new("--worker", "must be a name and a driver"))?;
-        Ok(open::one(name, driver).map(|mut opened| {
-            opened.device.patience = args.limit;
-            give_signs_of_life(Arc::clone(&opened.device.submissions));
-            Self::Real(Box::new(opened))
-        }))
+        Ok(open(args, name)?.map(|opened| Self::Real(Box::new(opened))))
     }
 
     fn backend(&self) -> &dyn Backend {
