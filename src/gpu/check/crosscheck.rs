@@ -13,7 +13,7 @@ use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::picture::Picture;
 use crate::gpu::twin::program::Program;
 use crate::gpu::twin::raster::{self, Raster, Triangles};
-use crate::gpu::twin::resolve::resolve;
+use crate::gpu::twin::resolve::draw;
 use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::{Twin, twin, twins};
 use crate::raster::Record;
@@ -224,21 +224,21 @@ impl BandRun<'_> {
         shape.fits(self.device)?;
         let constants = constants(&shape, record, band.picture.background);
         let program = Program::new(self.device, self.twin, shape, constants)?;
+        let expected = band.expected(self.twin.method, record, self.k);
+        let (palette, starts) = (&band.picture.palette, expected.starts());
         let mut by_compute = 0;
-        match self.path {
+        let got = match self.path {
             Path::Compute => {
                 let fragments = band.stream(self.contract, record, self.shuffle);
-                program.run(|function| program.compute(function, &fragments))?;
+                draw(&program, palette, starts, |function| program.compute(function, &fragments))?
             }
             Path::Raster => {
                 let triangles = Triangles::new(band, record);
                 let raster = Raster::new(&program, band, &triangles)?;
-                program.run(|function| raster.draw(function))?;
                 by_compute = triangles.rest.len() as u64;
+                draw(&program, palette, starts, |function| raster.draw(function))?
             }
-        }
-        let expected = band.expected(self.twin.method, record, self.k);
-        let got = resolve(&program, &band.picture.palette, expected.starts())?;
+        };
         let differences = compare(self.contract, self.k, &expected, &got);
         Ok((differences, by_compute, program.again()))
     }
