@@ -19,7 +19,7 @@ use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
 
-use super::merging::mutant_part;
+use super::mutants::mutant;
 use super::support::{contract, method, scene, small_scenes};
 
 /// Drivers on CPUs take all cores, and what depends on time has them alone.
@@ -273,56 +273,6 @@ fn twins_do_what_schemes_do() {
     }
 }
 
-/// A twin with one change.
-pub(super) fn mutant(method: &str, from: &str, to: &str) -> Twin {
-    let twin = twin(method);
-    let text = twin.text.replace(from, to);
-    assert_ne!(text, twin.text, "{method}: {from}");
-    Twin { text: text.leak(), ..twin }
-}
-
-#[test]
-fn conformance_finds_changed_twins() {
-    let _turn = turn();
-    let mutants = [
-        mutant("ab-ll", "nodes.links[node] = ", "nodes.links[0] = "),
-        mutant("ab-array", "return KEPT", "return CULLED"),
-        mutant("kplus-array", "array_append(pixel, count, key)", "put(pixel, count, key)"),
-        mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
-        mutant("kb", "is_less", "!is_less"),
-        mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
-        mutant("skb+ofm", "count -= 1u", "count -= 0u"),
-        mutant("skb+ofm", "< min(depth, own.depth)", "<= min(depth, own.depth)"),
-        mutant("skb+ofm", "first = second", "first = first"),
-        mutant("skb+ofm", "max(first, record.depth)", "first"),
-        mutant("dfb+ofm", "= fragment.extra", "= fragment.depth"),
-        mutant_part("skb+ofm", "words.x < words.y", "words.x > words.y"),
-        mutant("mlab", "   last = carried;", "   last = node;"),
-        mutant("mlab", "next.key.x), next.behind)", "next.key.x), no_light())"),
-        mutant("mlab", "return MERGED", "return KEPT"),
-        mutant("wboit", "* far * far", "* far"),
-        mutant("wboit", "PASSING: u32 = 4u", "PASSING: u32 = 3u"),
-        mutant("mbt", "power *= u", "power *= -u"),
-        mutant("mbt", "EMPTY", "0u"),
-        mutant("stochastic", "SAMPLES - i) < left", "SAMPLES) < left"),
-        mutant("stochastic", "Wide(i + 1u, 0u)", "Wide(i, 0u)"),
-        mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
-    ];
-    for opened in all("mutants") {
-        for mutant in mutants {
-            let extent = conform::Extent { fragments: 3, programs: 30 };
-            let found = conform(&opened.device, mutant, extent).expect("a device");
-            if mutant.needs_atomics64() && !opened.device.atomics64 {
-                assert!(found.unsupported.is_some(), "{found:?}");
-                continue;
-            }
-            // One that sums the same group twice sums the only one there is.
-            let equivalent = mutant.method.name() == "s-buffer";
-            assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
-        }
-    }
-}
-
 /// What comes out of copies that race is what interleavings can give; a lock that is not taken gives more.
 #[test]
 fn litmus_pixels_have_outcomes_of_interleavings() {
@@ -333,6 +283,10 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
             "kplus-array",
             "kb-ll",
             "kb",
+            "kb-ab-ll",
+            "ab-ll-bucket",
+            "kplus-multi",
+            "depth-peel",
             "ha32",
             "skb+ofm",
             "dfb+ofm",

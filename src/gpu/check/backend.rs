@@ -10,7 +10,7 @@ use crate::gpu::twin::band::Band;
 use crate::gpu::twin::expected::Expected;
 use crate::gpu::twin::program::Program;
 use crate::gpu::twin::raster::{self, Raster, Triangles};
-use crate::gpu::twin::resolve::{Downloaded, resolve};
+use crate::gpu::twin::resolve::{Downloaded, draw};
 use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::Twin;
 use crate::raster::Record;
@@ -118,20 +118,20 @@ impl Backend for Device {
         shape.fits(self)?;
         let constants = constants(&shape, record, band.picture.background);
         let program = Program::new(self, job.twin, shape, constants)?;
+        let (palette, starts) = (&band.picture.palette, job.expected.starts());
         let mut by_compute = 0;
-        match job.path {
+        let got = match job.path {
             Path::Compute => {
                 let fragments = band.stream(contract, record, job.shuffle);
-                program.run(|function| program.compute(function, &fragments))?;
+                draw(&program, palette, starts, |function| program.compute(function, &fragments))?
             }
             Path::Raster => {
                 let triangles = Triangles::new(band, record, job.twin.waits());
                 let raster = Raster::new(&program, band, &triangles)?;
-                program.run(|function| raster.draw(function))?;
                 by_compute = triangles.rest.len() as u64;
+                draw(&program, palette, starts, |function| raster.draw(function))?
             }
-        }
-        let got = resolve(&program, &band.picture.palette, job.expected.starts())?;
+        };
         Ok(Drawn { got, by_compute, repeated: program.again() })
     }
 }

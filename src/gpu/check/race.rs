@@ -60,10 +60,7 @@ impl<'d> Contender<'d> {
         let starts = expected.starts();
         let raster = Raster::new(&self.program, &self.band, &self.triangles)?;
         let resolve = Resolve::new(&self.program, &self.band.picture.palette, starts)?;
-        let frame = || {
-            self.program.run(|function| raster.draw(function))?;
-            resolve.run()
-        };
+        let frame = || resolve.frame(|function| raster.draw(function));
         frame()?;
         let mut seconds = Vec::new();
         for _ in 0..runs {

@@ -16,7 +16,7 @@ use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::light::Simulator;
 use crate::gpu::twin::merged;
 use crate::gpu::twin::program::Program;
-use crate::gpu::twin::resolve::resolve;
+use crate::gpu::twin::resolve::draw;
 use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
@@ -264,8 +264,8 @@ fn run(
             // The explorer tries both wherever a word is read that was never written.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
-            program.run(|function| program.compute(function, &fragments))?;
-            let got = resolve(program, &[0; 256], &starts)?;
+            let geometry = |function: &str| program.compute(function, &fragments);
+            let got = draw(program, &[0; 256], &starts, geometry)?;
             for pixel in 0..COPIES as usize {
                 let found = match &colors {
                     Some(colors) => colors.held(pixel as u32, got.pixel(pixel), tally),

@@ -1,8 +1,9 @@
 //! The WGSL text of a module: constants, the twin, and the entry points of its passes.
 //!
 //! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once
-//! in a module. Which passes a twin has follows from the functions that it defines: each gets its entry point from
-//! `pass/`.
+//! in a module. A method that is another one but for a part includes that one's file, after a line `//# replaces NAME`:
+//! what follows the line takes the place of that part, which is then not included. Which passes a twin has follows from
+//! the functions that it defines: each gets its entry point from `pass/`.
 
 use std::fmt::Write;
 
@@ -28,11 +29,12 @@ macro_rules! files {
 /// The files that can be included.
 const FILES: &[(&str, &str)] = files! {
     "pass/clear" "pass/clear_frame" "pass/frame" "pass/number" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
-    "pass/screen" "pass/store" "pass/store_raster"
+    "pass/round"    "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
-    "shared/sort" "shared/wide" "shared/word64"
-    "parts/counted_down" "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged"
-    "parts/ranges" "parts/table"
+    "shared/nearest" "shared/rays" "shared/sort" "shared/wide" "shared/word64"
+    "parts/alike" "parts/array_up_to" "parts/buckets" "parts/counted_down" "parts/ends" "parts/list" "parts/lock"
+    "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged" "parts/ranges" "parts/table"
+    "a_buffer/ab_array" "a_buffer/ab_ll" "a_buffer/s_buffer" "hash_table/ha64" "kplus_buffer/kplus_sb"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
@@ -52,20 +54,35 @@ const TWINS: &[(&str, &str)] = twins! {
     "kb" "k_buffer/kb"
     "kb-mdt32" "k_buffer/kb_mdt32"
     "kb-mdt64" "k_buffer/kb_mdt64"
+    "kb-ab-array" "k_buffer/kb_ab_array"
+    "kb-ab-ll" "k_buffer/kb_ab_ll"
+    "kb-ab-sb" "k_buffer/kb_ab_sb"
+    "kplus" "kplus_buffer/kplus"
     "ab-ll-paged" "a_buffer/ab_ll_paged"
+    "ab-ll-bucket" "a_buffer/ab_ll_bucket"
+    "ab-ll-double" "a_buffer/ab_ll_double"
     "kb-ll" "k_buffer/kb_ll"
     "kplus-array" "kplus_buffer/kplus_array"
     "kplus-heap" "kplus_buffer/kplus_heap"
     "kplus-sb" "kplus_buffer/kplus_sb"
+    "kplus-sb@heap" "kplus_buffer/kplus_sb_heap"
     "k-variable" "kplus_buffer/k_variable"
+    "depth-peel" "peeling/depth_peel"
+    "depth-peel-dual" "peeling/depth_peel_dual"
+    "depth-peel-bucket" "peeling/depth_peel_bucket"
+    "kplus-multi" "kplus_buffer/kplus_multi"
+    "kb-multi" "k_buffer/kb_multi"
     "ha64" "hash_table/ha64"
+    "ha64-multiset" "hash_table/ha64_multiset"
     "ha32" "hash_table/ha32"
+    "hash-coherent" "hash_table/hash_coherent"
     "occupancy" "culling/occupancy"
     "skb+ofm" "merging/skb_ofm"
     "dfb+ofm" "merging/dfb_ofm"
     "wboit" "approximate/wboit"
     "mbt" "approximate/mbt"
     "mlab" "approximate/mlab"
+    "hybrid" "approximate/hybrid"
     "stochastic" "approximate/stochastic"
 };
 
@@ -78,6 +95,7 @@ const ENTRIES: &[(&str, &str)] = &[
     ("frame", "pass/frame"),
     ("store", "pass/store"),
     ("resolve", "pass/resolve"),
+    ("again", "pass/round"),
 ];
 
 /// Those of the raster path.
@@ -125,7 +143,7 @@ impl Twin {
     /// Whether the twin defines a function.
     #[must_use]
     pub fn defines(&self, function: &str) -> bool {
-        self.text.contains(&format!("fn {function}("))
+        self.expanded().is_ok_and(|text| text.contains(&format!("fn {function}(")))
     }
 
     /// Whether it declares a binding of the first group.
@@ -138,13 +156,13 @@ impl Twin {
     /// Whether it waits for locks.
     #[must_use]
     pub fn locks(&self) -> bool {
-        self.text.contains("//# include parts/lock\n")
+        self.expanded().is_ok_and(|text| text.contains("const TAKEN"))
     }
 
     /// Whether its invocations may give up waiting, for a lock or for a compare-exchange, with nothing stored.
     #[must_use]
     pub fn waits(&self) -> bool {
-        self.text.contains("STUCK")
+        self.expanded().is_ok_and(|text| text.replace("const STUCK", "").contains("STUCK"))
     }
 
     /// Whether it needs atomic operations on 64 bits, which WGSL has only as an extension of naga's.
@@ -181,16 +199,26 @@ impl Twin {
     }
 }
 
+/// The text of a file that can be included.
+fn known(name: &str) -> Result<&'static str> {
+    let file = FILES.iter().find(|(known, _)| *known == name);
+    let (_, text) =
+        file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
+    Ok(text)
+}
+
 fn include(from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
     for line in from.lines() {
+        if let Some(name) = line.strip_prefix("//# replaces ") {
+            known(name)?;
+            seen.push(name.to_owned());
+            continue;
+        }
         match line.strip_prefix("//# include ") {
             Some(name) if seen.iter().any(|one| one == name) => {}
             Some(name) => {
-                let file = FILES.iter().find(|(known, _)| *known == name);
-                let (_, text) =
-                    file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
                 seen.push(name.to_owned());
-                include(text, seen, into)?;
+                include(known(name)?, seen, into)?;
             }
             None => {
                 into.push_str(line);

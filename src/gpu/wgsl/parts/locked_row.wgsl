@@ -7,9 +7,7 @@
 //# include parts/ranges
 //# include parts/max_array
 //# include parts/max_heap
-
-// Up to this k, an array is faster than a heap.
-const ARRAY_UP_TO: u32 = 16u;
+//# include parts/array_up_to
 
 // Record i of the range that begins at `first`.
 fn entry(first: u32, i: u32) -> Key {
