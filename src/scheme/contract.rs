@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::parts::reach;
 use super::program::Program;
 use crate::fragment::{Data, depth_of};
 use crate::num::depth::Format;
@@ -174,6 +175,9 @@ pub enum Form {
     Correct,
     /// As published, where that differs from the correct form, or where there is no correct form.
     Published,
+    /// The correct form with its words reached in another way, for devices that do not order them
+    /// ([`super::parts::reach`]).
+    Mended,
     /// A built-in fault that a check must find.
     Mutation,
 }
@@ -441,6 +445,18 @@ impl Contract {
     ) -> Self {
         let dependence = self.dependence.racy();
         Self { name, title, exact_when, form: Form::Mutation, dependence, ..self }
+    }
+
+    /// This method with its words reached in another way.
+    #[must_use]
+    pub const fn mended(self, name: &'static str, title: &'static str) -> Self {
+        Self { name, title, form: Form::Mended, ..self }
+    }
+
+    /// The same where every access is an update, so that nothing need be ordered.
+    #[must_use]
+    pub const fn updated(self, name: &'static str, title: &'static str) -> Self {
+        Self { needs: reach::NEEDS, wgsl: reach::WGSL, ..self.mended(name, title) }
     }
 
     /// The name without `@variant`.
