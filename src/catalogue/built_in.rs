@@ -39,7 +39,7 @@ use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
 use crate::scheme::kplus_buffer::kplus_sb::{self, KPlusSb};
 use crate::scheme::merging::dfb_merged::{self, DfbMerged, Overlapping, Smooth};
 use crate::scheme::merging::skb_ofm::{self, SkbOfm};
-use crate::scheme::parts::reach::Updated;
+use crate::scheme::parts::lock::reach::Updated;
 use crate::scheme::peeling::depth_peel::{self, DepthPeel};
 use crate::scheme::peeling::depth_peel_bucket::BucketPeel;
 use crate::scheme::peeling::depth_peel_dual::{self, DualPeel};
@@ -124,9 +124,13 @@ catalogue! {
     once {
         AbPagedList<Atomic>,
         AbPagedList<Updated>,
+        KNearestList<Atomic>,
+        KNearestList<Updated>,
         KPlusArray<Atomic>,
         KPlusArray<Updated>,
         KPlusArrayWord64,
+        KPlusHeap<Atomic>,
+        KPlusHeap<Updated>,
         KPlusSb<Atomic>,
         KPlusSb<Updated>,
         ZBuffer<z_buffer::ClearedToFarPlane>,

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::parts::reach;
 use super::program::Program;
 use crate::fragment::{Data, depth_of};
 use crate::num::depth::Format;
@@ -176,7 +175,7 @@ pub enum Form {
     /// As published, where that differs from the correct form, or where there is no correct form.
     Published,
     /// The correct form with its words reached in another way, for devices that do not order them
-    /// ([`super::parts::reach`]).
+    /// ([`super::parts::lock::reach`]).
     Mended,
     /// A built-in fault that a check must find.
     Mutation,
@@ -451,12 +450,6 @@ impl Contract {
     #[must_use]
     pub const fn mended(self, name: &'static str, title: &'static str) -> Self {
         Self { name, title, form: Form::Mended, ..self }
-    }
-
-    /// The same where every access is an update, so that nothing need be ordered.
-    #[must_use]
-    pub const fn updated(self, name: &'static str, title: &'static str) -> Self {
-        Self { needs: reach::NEEDS, wgsl: reach::WGSL, ..self.mended(name, title) }
     }
 
     /// The name without `@variant`.

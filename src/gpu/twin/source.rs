@@ -1,7 +1,7 @@
 //! The WGSL text of a module: constants, the twin, and the entry points of its passes.
 //!
 //! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once
-//! in a module. Which passes a twin has follows from the functions that it defines: each gets its entry point from
+//! in a module. A mended form has its method's text with other parts, those of `reach/`. Which passes a twin has follows from the functions that it defines: each gets its entry point from
 //! `pass/`.
 
 use std::fmt::Write;
@@ -17,6 +17,8 @@ pub struct Twin {
     pub method: Method,
     /// Its text, before includes.
     pub text: &'static str,
+    /// Files that are included instead of others: how a form differs from the form whose text it has.
+    pub instead: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! files {
@@ -33,17 +35,22 @@ const FILES: &[(&str, &str)] = files! {
     "shared/sort" "shared/wide" "shared/word64"
     "parts/counted_down" "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged"
     "parts/ranges" "parts/table"
+    "reach/frame_rows" "reach/frame_rows_atomic" "reach/frame_rows_updates" "reach/nodes" "reach/nodes_atomic"
+    "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows" "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
 macro_rules! twins {
-    ($($method:literal $file:literal)*) => {
-        &[$(($method, include_str!(concat!("../wgsl/", $file, ".wgsl")))),*]
+    ($($method:literal $file:literal $([$from:literal $to:literal])*)*) => {
+        &[$(($method, include_str!(concat!("../wgsl/", $file, ".wgsl")), &[$(($from, $to)),*])),*]
     };
 }
 
-/// The built-in twins, by the names of their methods, in the catalogue's order.
-const TWINS: &[(&str, &str)] = twins! {
+/// A twin by the name of its method: its text, and what is included instead of other files.
+type Named = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
+
+/// The built-in twins, in the catalogue's order.
+const TWINS: &[Named] = twins! {
     "z-buffer" "k_buffer/z_buffer"
     "ab-array" "a_buffer/ab_array"
     "ab-ll" "a_buffer/ab_ll"
@@ -67,6 +74,17 @@ const TWINS: &[(&str, &str)] = twins! {
     "mbt" "approximate/mbt"
     "mlab" "approximate/mlab"
     "stochastic" "approximate/stochastic"
+    "ab-ll-paged@atomic" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_atomic"]
+    "ab-ll-paged@rmw" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_updates"]
+    "kb-ll@atomic" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_atomic"]
+    "kb-ll@rmw" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_updates"]
+    "kplus-array@atomic" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
+    "kplus-array@rmw" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-array@word64" "kplus_buffer/kplus_array_word64"
+    "kplus-heap@atomic" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
+    "kplus-heap@rmw" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-sb@atomic" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_atomic"]
+    "kplus-sb@rmw" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_updates"]
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.
@@ -88,8 +106,8 @@ const RASTER_ENTRIES: &[(&str, &str)] =
 #[must_use]
 pub fn twins() -> Vec<Twin> {
     let catalogue = Catalogue::built_in();
-    let twin = |&(name, text): &(&str, &'static str)| {
-        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
+    let twin = |&(name, text, instead): &Named| {
+        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text, instead })
     };
     TWINS.iter().filter_map(twin).collect()
 }
@@ -143,7 +161,7 @@ impl Twin {
 
     fn expanded(&self) -> Result<String> {
         let mut text = String::new();
-        include(self.text, &mut Vec::new(), &mut text)?;
+        self.include(self.text, &mut Vec::new(), &mut text)?;
         Ok(text)
     }
 
@@ -158,35 +176,36 @@ impl Twin {
         };
         let mut text = constants.text();
         let mut seen = Vec::new();
-        include(self.text, &mut seen, &mut text)?;
+        self.include(self.text, &mut seen, &mut text)?;
         for (function, file) in entries {
             if self.defines(function) {
                 text.push('\n');
-                include(&format!("//# include {file}\n"), &mut seen, &mut text)?;
+                self.include(&format!("//# include {file}\n"), &mut seen, &mut text)?;
             }
         }
         Ok(text)
     }
-}
 
-fn include(from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
-    for line in from.lines() {
-        match line.strip_prefix("//# include ") {
-            Some(name) if seen.iter().any(|one| one == name) => {}
-            Some(name) => {
-                let file = FILES.iter().find(|(known, _)| *known == name);
-                let (_, text) =
-                    file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
-                seen.push(name.to_owned());
-                include(text, seen, into)?;
-            }
-            None => {
+    fn include(&self, from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
+        for line in from.lines() {
+            let Some(named) = line.strip_prefix("//# include ") else {
                 into.push_str(line);
                 into.push('\n');
+                continue;
+            };
+            let instead = self.instead.iter().find(|(from, _)| *from == named);
+            let name = instead.map_or(named, |(_, to)| to);
+            if seen.iter().any(|one| one == name) {
+                continue;
             }
+            let file = FILES.iter().find(|(known, _)| *known == name);
+            let (_, text) =
+                file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
+            seen.push(name.to_owned());
+            self.include(text, seen, into)?;
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Numbers that precede a twin as constants.

@@ -15,8 +15,8 @@ use crate::fragment::{Fragment, key};
 use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
 use crate::scheme::parts::list::NONE;
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{self, FREE, SpinLock};
-use crate::scheme::parts::reach::{Reach, Updated};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Fragments of a page.
@@ -95,7 +95,7 @@ impl Variant for Atomic {
 
 impl Variant for Updated {
     const CONTRACT: Contract =
-        CONTRACT.updated("ab-ll-paged@rmw", "A-buffer in lists of pages, all of a pixel updates");
+        updated(CONTRACT, "ab-ll-paged@rmw", "A-buffer in lists of pages, all of a pixel updates");
     type Reach = Self;
 }
 

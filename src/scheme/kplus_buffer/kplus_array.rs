@@ -25,8 +25,8 @@ use std::future::Future;
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
 use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words, both};
 use crate::scheme::contract::Keeps;
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{FREE, SpinLock};
-use crate::scheme::parts::reach::{Reach, Updated};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The method.
@@ -63,8 +63,11 @@ impl Variant for Atomic {
 }
 
 impl Variant for Updated {
-    const CONTRACT: Contract = CONTRACT
-        .updated("kplus-array@rmw", "k+-buffer: spin lock and max-array, all accesses updates");
+    const CONTRACT: Contract = updated(
+        CONTRACT,
+        "kplus-array@rmw",
+        "k+-buffer: spin lock and max-array, all accesses updates",
+    );
 }
 
 impl<R: Variant> Scheme for KPlusArray<R> {
@@ -95,7 +98,7 @@ impl<R: Variant> Scheme for KPlusArray<R> {
         // A full array's farthest is in entry 0: what lies behind it need not wait for the lock.
         let test = mem.block();
         if mem.load(counter, R::ACQUIRE).await == self.k
-            && fragment.depth > R::load(mem, self.depth.at(pixel, 0)).await
+            && fragment.depth > R::load(mem, self.depth.at(pixel, 0), Order::Relaxed).await
         {
             return Outcome::Culled;
         }
@@ -106,7 +109,7 @@ impl<R: Variant> Scheme for KPlusArray<R> {
             let attempt = mem.block();
             if self.lock.try_acquire(mem, pixel, R::ACQUIRE).await == FREE {
                 let new = fragment.key();
-                let count = R::load(mem, counter).await;
+                let count = R::load(mem, counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
                     // Append, into entry 0 if it is the farthest; only then raise the counter.
@@ -126,7 +129,7 @@ impl<R: Variant> Scheme for KPlusArray<R> {
                     let (mut place, mut farthest) = (0, new);
                     for i in 1..self.k {
                         // The data word decides only among equal depths, and is read only then.
-                        let depth = R::load(mem, self.depth.at(pixel, i)).await;
+                        let depth = R::load(mem, self.depth.at(pixel, i), Order::Relaxed).await;
                         if depth >= depth_of(farthest) {
                             let data = R::read(mem, self.data.at(pixel, i)).await;
                             if key(depth, data) > farthest {
@@ -168,7 +171,10 @@ impl<R: Reach> KPlusArray<R> {
     #[inline(always)]
     #[track_caller]
     fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
-        both(R::load(mem, self.depth.at(pixel, i)), R::read(mem, self.data.at(pixel, i)))
+        both(
+            R::load(mem, self.depth.at(pixel, i), Order::Relaxed),
+            R::read(mem, self.data.at(pixel, i)),
+        )
     }
 
     #[inline(always)]

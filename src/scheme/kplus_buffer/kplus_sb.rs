@@ -18,10 +18,10 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::{Form, Keeps};
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{self, SpinLock};
 use crate::scheme::parts::locked_row::{self, Row};
 use crate::scheme::parts::ranges::{self, Ranges};
-use crate::scheme::parts::reach::{Reach, Updated};
 use crate::scheme::parts::slots::{OfFrame, settled};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -114,8 +114,11 @@ impl Variant for Atomic {
 impl Variant for Updated {
     const CONTRACT: Contract = Contract {
         needs: MENDED_NEEDS,
-        ..CONTRACT
-            .updated("kplus-sb@rmw", "k+-buffer in exact contiguous ranges, all accesses updates")
+        ..updated(
+            CONTRACT,
+            "kplus-sb@rmw",
+            "k+-buffer in exact contiguous ranges, all accesses updates",
+        )
     };
     type Reach = Self;
 }

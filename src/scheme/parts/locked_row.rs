@@ -4,8 +4,8 @@
 //! The steps are those of the correct forms (`kplus_array`, `kplus_heap`): a cull test before the lock, the counter
 //! raised only when its record is in place.
 
+use super::lock::reach::Reach;
 use super::lock::{FREE, SpinLock};
-use super::reach::Reach;
 use super::slots::{Slots, entry};
 use super::{max_array, max_heap};
 use crate::fragment::{Fragment, pair_key};
@@ -39,7 +39,7 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
     let new = fragment.key();
     let test = mem.block();
     if mem.load(counter, S::Reach::ACQUIRE).await == k
-        && fragment.depth > S::Reach::load(mem, slots.depth(0)).await
+        && fragment.depth > S::Reach::load(mem, slots.depth(0), Order::Relaxed).await
     {
         return Some(new);
     }
@@ -49,7 +49,7 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
     loop {
         let attempt = mem.block();
         if lock.try_acquire(mem, fragment.pixel, S::Reach::ACQUIRE).await == FREE {
-            let count = S::Reach::load(mem, counter).await;
+            let count = S::Reach::load(mem, counter, Order::Relaxed).await;
             let mut gone = None;
             if count < k {
                 if heap {

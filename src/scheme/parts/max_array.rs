@@ -1,10 +1,10 @@
 //! The max-array of K+B-Array (k+-buffer paper, section 3.2): the farthest record is at entry 0, the others anywhere.
 //! The order of writes is that of the correct form (see `kplus_array`, which has it in its own body).
 
-use super::reach::Reach;
+use super::lock::reach::Reach;
 use super::slots::{Slots, entry, put};
 use crate::fragment::{depth_of, key, pair_key};
-use crate::memory::Memory;
+use crate::memory::{Memory, Order};
 
 /// Add a record to an array of `count`.
 #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
@@ -26,7 +26,7 @@ pub async fn replace<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32,
     let (mut place, mut farthest) = (0, new);
     for i in 1..count {
         // The data word decides only among equal depths, and is read only then.
-        let depth = S::Reach::load(mem, slots.depth(i)).await;
+        let depth = S::Reach::load(mem, slots.depth(i), Order::Relaxed).await;
         if depth >= depth_of(farthest) {
             let data = S::Reach::read(mem, slots.data(i)).await;
             if key(depth, data) > farthest {

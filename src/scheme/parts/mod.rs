@@ -10,7 +10,6 @@ pub mod locked_row;
 pub mod max_array;
 pub mod max_heap;
 pub mod ranges;
-pub mod reach;
 pub mod select;
 pub mod slots;
 pub mod visible;

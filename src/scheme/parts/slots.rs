@@ -2,7 +2,7 @@
 
 use std::future::Future;
 
-use super::reach::Reach;
+use super::lock::reach::Reach;
 use crate::fragment::{data_of, depth_of};
 use crate::memory::{At, Atomic, Global, Memory, Order, Pixel, Plain, Space, Words, both};
 
@@ -95,7 +95,7 @@ impl<R: Reach> Slots for OfFrame<R> {
 #[inline(always)]
 #[track_caller]
 pub fn entry<M: Memory, S: Slots>(mem: &M, slots: S, i: u32) -> impl Future<Output = (u32, u32)> {
-    both(S::Reach::load(mem, slots.depth(i)), S::Reach::read(mem, slots.data(i)))
+    both(S::Reach::load(mem, slots.depth(i), Order::Relaxed), S::Reach::read(mem, slots.data(i)))
 }
 
 /// The same after a barrier.

@@ -28,17 +28,24 @@
 use std::fmt::Debug;
 use std::future::Future;
 
-use super::lock::SpinLock;
+use super::SpinLock;
 use crate::memory::{Access, At, Atomic, Kind, Memory, Order, Plain, Space, Update, Word};
+use crate::scheme::contract::Contract;
 
 /// What a method needs that is mended by updates.
-pub const NEEDS: &str =
+const NEEDS: &str =
     "32-bit atomic updates, relaxed; no load buffering; forward progress of the lock's holder";
 
 /// How WGSL can express it.
-pub const WGSL: Option<&str> = Some(
+const WGSL: Option<&str> = Some(
     "storage buffers; relaxed updates are enough, but that there is no load buffering is outside WGSL's guarantees",
 );
+
+/// A method where every access is an update.
+#[must_use]
+pub const fn updated(contract: Contract, name: &'static str, title: &'static str) -> Contract {
+    Contract { needs: NEEDS, wgsl: WGSL, ..contract.mended(name, title) }
+}
 
 /// A way to reach guarded words. Its kind is that of the words that a lock alone guards.
 pub trait Reach: Debug + Send + Sync + 'static {
@@ -64,11 +71,12 @@ pub trait Reach: Debug + Send + Sync + 'static {
         value: W,
     ) -> impl Future<Output: Copy + Unpin> + Unpin;
 
-    /// Read a word that may be read without the lock.
+    /// Read a word that may be read without the lock, in this order where an order counts.
     #[track_caller]
     fn load<M: Memory, S: Space, W: Word>(
         mem: &M,
         at: At<S, Atomic, W>,
+        order: Order,
     ) -> impl Future<Output = W> + Unpin;
 
     /// Write such a word under the lock, in this order where an order counts.
@@ -126,8 +134,9 @@ macro_rules! ordered {
             fn load<M: Memory, S: Space, W: Word>(
                 mem: &M,
                 at: At<S, Atomic, W>,
+                order: Order,
             ) -> impl Future<Output = W> + Unpin {
-                mem.load(at, Order::Relaxed)
+                mem.load(at, order)
             }
 
             #[inline(always)]
@@ -187,6 +196,7 @@ impl Reach for Updated {
     fn load<M: Memory, S: Space, W: Word>(
         mem: &M,
         at: At<S, Atomic, W>,
+        _: Order,
     ) -> impl Future<Output = W> + Unpin {
         Self::read(mem, at)
     }
