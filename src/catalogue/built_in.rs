@@ -1,6 +1,7 @@
 //! The built-in methods, one line each.
 
 use crate::exec::Method;
+use crate::memory::Atomic;
 use crate::scheme::a_buffer::ab_array::{self, AbArray, AtomicAdd};
 use crate::scheme::a_buffer::ab_ll::{self, AbLinkedList};
 use crate::scheme::a_buffer::ab_ll_bucket::{self, AbBucketList};
@@ -32,23 +33,25 @@ use crate::scheme::kplus_buffer::k_variable::{self, KVariable};
 use crate::scheme::kplus_buffer::kplus::KPlus;
 use crate::scheme::kplus_buffer::kplus_array::{KPlusArray, faults};
 use crate::scheme::kplus_buffer::kplus_array_published::{KPlusArrayPublished, OrderedUnlock};
+use crate::scheme::kplus_buffer::kplus_array_word64::KPlusArrayWord64;
 use crate::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
 use crate::scheme::kplus_buffer::kplus_sb::{self, KPlusSb};
 use crate::scheme::merging::dfb_merged::{self, DfbMerged, Overlapping, Smooth};
 use crate::scheme::merging::skb_ofm::{self, SkbOfm};
+use crate::scheme::parts::lock::reach::Updated;
 use crate::scheme::peeling::depth_peel::{self, DepthPeel};
 use crate::scheme::peeling::depth_peel_bucket::BucketPeel;
 use crate::scheme::peeling::depth_peel_dual::{self, DualPeel};
 
 macro_rules! catalogue {
-    (methods { $($scheme:ty,)* } faults { $($fault:ty,)* }) => {
+    (methods { $($scheme:ty,)* } once { $($once:ty,)* }) => {
         /// All of them: first the oracle; then the methods that promise something, compiled for every executor; then
-        /// the built-in faults, compiled once.
+        /// the mended forms, which are there for checks and devices, and the built-in faults, compiled once.
         pub(super) const METHODS: &[Method] = &[
             Method::EXACT,
             $(Method::of::<$scheme>(),)*
-            $(Method::interpreted::<$fault>(),)*
+            $(Method::interpreted::<$once>(),)*
         ];
     };
 }
@@ -118,7 +121,18 @@ catalogue! {
         StochasticDepth,
         BlendUnsorted,
     }
-    faults {
+    once {
+        AbPagedList<Atomic>,
+        AbPagedList<Updated>,
+        KNearestList<Atomic>,
+        KNearestList<Updated>,
+        KPlusArray<Atomic>,
+        KPlusArray<Updated>,
+        KPlusArrayWord64,
+        KPlusHeap<Atomic>,
+        KPlusHeap<Updated>,
+        KPlusSb<Atomic>,
+        KPlusSb<Updated>,
         ZBuffer<z_buffer::ClearedToFarPlane>,
         ZBuffer<z_buffer::LoadStore>,
         AbArray<ab_array::OneTooMany>,

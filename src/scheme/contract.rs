@@ -174,6 +174,9 @@ pub enum Form {
     Correct,
     /// As published, where that differs from the correct form, or where there is no correct form.
     Published,
+    /// The correct form with its words reached in another way, for devices that do not order them
+    /// ([`super::parts::lock::reach`]).
+    Mended,
     /// A built-in fault that a check must find.
     Mutation,
 }
@@ -441,6 +444,12 @@ impl Contract {
     ) -> Self {
         let dependence = self.dependence.racy();
         Self { name, title, exact_when, form: Form::Mutation, dependence, ..self }
+    }
+
+    /// This method with its words reached in another way.
+    #[must_use]
+    pub const fn mended(self, name: &'static str, title: &'static str) -> Self {
+        Self { name, title, form: Form::Mended, ..self }
     }
 
     /// The name without `@variant`.

@@ -102,13 +102,14 @@ fn a_twin_reads_its_inputs() {
     let method = Method::of::<Capped>();
     let extent = Extent { fragments: 3, programs: 24 };
     for opened in all("inputs") {
-        let found = conform(&opened.device, Twin { method, text: TEXT }, extent).expect("a device");
+        let twin = Twin { method, text: TEXT };
+        let found = conform(&opened.device, twin, extent).expect("a device");
         assert_eq!((&found.difference, &found.unsupported), (&None, &None), "{found:?}");
         assert!(found.steps > 100, "{found:?}");
         // Another pixel's word, and none.
         for to in ["inputs[INPUT_CAP]", "4u"] {
             let text = TEXT.replacen("inputs[INPUT_CAP + fragment.pixel]", to, 1);
-            let mutant = Twin { method, text: text.leak() };
+            let mutant = Twin { text: text.leak(), ..twin };
             let found = conform(&opened.device, mutant, extent).expect("a device");
             assert!(found.difference.is_some(), "{to}: {found:?}");
         }

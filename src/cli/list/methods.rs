@@ -111,6 +111,7 @@ fn row(contract: &Contract) -> Vec<String> {
     let form = match contract.form {
         Form::Correct => "correct",
         Form::Published => "published",
+        Form::Mended => "mended",
         Form::Mutation => "mutation",
     };
     let depends = match (contract.is_racy(), contract.is_arrival_dependent()) {

@@ -29,22 +29,31 @@ macro_rules! files {
 /// The files that can be included.
 const FILES: &[(&str, &str)] = files! {
     "pass/clear" "pass/clear_frame" "pass/frame" "pass/number" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
-    "pass/round"    "pass/screen" "pass/store" "pass/store_raster"
+    "pass/round" "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
     "shared/nearest" "shared/rays" "shared/sort" "shared/wide" "shared/word64"
     "parts/alike" "parts/array_up_to" "parts/buckets" "parts/counted_down" "parts/ends" "parts/list" "parts/lock"
     "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged" "parts/ranges" "parts/table"
     "a_buffer/ab_array" "a_buffer/ab_ll" "a_buffer/s_buffer" "hash_table/ha64" "kplus_buffer/kplus_sb"
+    "reach/frame_rows" "reach/frame_rows_atomic" "reach/frame_rows_updates" "reach/nodes" "reach/nodes_atomic"
+    "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows" "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
+/// A form has its method's text, with `[this part, that one in its place]`.
 macro_rules! twins {
-    ($($method:literal $file:literal)*) => {
-        &[$(($method, include_str!(concat!("../wgsl/", $file, ".wgsl")))),*]
+    ($($method:literal $file:literal $([$part:literal $other:literal])*)*) => {
+        &[$((
+            $method,
+            concat!(
+                $("//# replaces ", $part, "\n//# include ", $other, "\n",)*
+                include_str!(concat!("../wgsl/", $file, ".wgsl"))
+            ),
+        )),*]
     };
 }
 
-/// The built-in twins, by the names of their methods, in the catalogue's order.
+/// The built-in twins, in the catalogue's order.
 const TWINS: &[(&str, &str)] = twins! {
     "z-buffer" "k_buffer/z_buffer"
     "ab-array" "a_buffer/ab_array"
@@ -84,6 +93,17 @@ const TWINS: &[(&str, &str)] = twins! {
     "mlab" "approximate/mlab"
     "hybrid" "approximate/hybrid"
     "stochastic" "approximate/stochastic"
+    "ab-ll-paged@atomic" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_atomic"]
+    "ab-ll-paged@rmw" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_updates"]
+    "kb-ll@atomic" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_atomic"]
+    "kb-ll@rmw" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_updates"]
+    "kplus-array@atomic" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
+    "kplus-array@rmw" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-array@word64" "kplus_buffer/kplus_array_word64"
+    "kplus-heap@atomic" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
+    "kplus-heap@rmw" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-sb@atomic" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_atomic"]
+    "kplus-sb@rmw" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_updates"]
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.

@@ -15,6 +15,7 @@ use crate::fragment::{Fragment, key};
 use crate::memory::{Access, Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::Demand;
 use crate::scheme::parts::list::NONE;
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{self, FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
@@ -28,10 +29,12 @@ const WORDS: u64 = 1 + 2 * PAGE as u64;
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
+    /// How the lock's holder reaches counter and page.
+    type Reach: Reach;
     /// Whether slots are taken under the lock.
     const LOCKED: bool = true;
-    /// How the lock is released.
-    const UNLOCK: Access = Access::Atomic(Order::Release);
+    /// How the lock is released, if not as that way has it.
+    const UNLOCK: Option<Access> = None;
     /// Whether the first page beyond the pool is refused.
     const BOUNDED: bool = true;
 }
@@ -54,10 +57,10 @@ pub enum NoLock {}
 
 /// The method.
 #[derive(Debug)]
-pub struct AbPagedList<V = Correct> {
+pub struct AbPagedList<V: Variant = Correct> {
     lock: SpinLock,
-    counter: Words<Pixel, Plain, u32>,
-    page: Words<Pixel, Plain, u32>,
+    counter: Words<Pixel, <V::Reach as Reach>::Kind, u32>,
+    page: Words<Pixel, <V::Reach as Reach>::Kind, u32>,
     taken: Words<Global, Atomic, u32>,
     pages: Words<Global, Plain, u32>,
     capacity: u64,
@@ -81,6 +84,19 @@ const CONTRACT: Contract = Contract {
 
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
+    type Reach = Plain;
+}
+
+impl Variant for Atomic {
+    const CONTRACT: Contract =
+        CONTRACT.mended("ab-ll-paged@atomic", "A-buffer in lists of pages, all of a pixel atomic");
+    type Reach = Self;
+}
+
+impl Variant for Updated {
+    const CONTRACT: Contract =
+        updated(CONTRACT, "ab-ll-paged@rmw", "A-buffer in lists of pages, all of a pixel updates");
+    type Reach = Self;
 }
 
 impl Variant for PlainUnlock {
@@ -89,7 +105,8 @@ impl Variant for PlainUnlock {
         "Fault M1: unlock by a plain store",
         "under sequential consistency only",
     );
-    const UNLOCK: Access = Access::Plain;
+    type Reach = Plain;
+    const UNLOCK: Option<Access> = Some(Access::Plain);
 }
 
 impl Variant for OneTooMany {
@@ -101,6 +118,7 @@ impl Variant for OneTooMany {
             CONTRACT.exact_when,
         )
     };
+    type Reach = Plain;
     const BOUNDED: bool = false;
 }
 
@@ -110,6 +128,7 @@ impl Variant for NoLock {
         "Fault no-lock: slot and page are taken without the lock",
         "no two invocations of a pixel overlap",
     );
+    type Reach = Plain;
     const LOCKED: bool = false;
 }
 
@@ -137,8 +156,8 @@ impl<V: Variant> Scheme for AbPagedList<V> {
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
         self.lock.clear(mem, pixel).await;
-        mem.plain_store(self.counter.at(pixel, 0), 0).await;
-        mem.plain_store(self.page.at(pixel, 0), NONE).await;
+        mem.write(self.counter.at(pixel, 0), 0, V::Reach::SETTLED).await;
+        mem.write(self.page.at(pixel, 0), NONE, V::Reach::SETTLED).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
@@ -149,28 +168,31 @@ impl<V: Variant> Scheme for AbPagedList<V> {
         loop {
             let attempt = mem.block();
             let found = if V::LOCKED {
-                self.lock.try_acquire(mem, pixel, Order::Acquire).await
+                self.lock.try_acquire(mem, pixel, V::Reach::ACQUIRE).await
             } else {
                 FREE
             };
             if found == FREE {
-                let count = mem.plain_load(self.counter.at(pixel, 0)).await;
-                let mut page = mem.plain_load(self.page.at(pixel, 0)).await;
+                let count = V::Reach::read(mem, self.counter.at(pixel, 0)).await;
+                let mut page = V::Reach::read(mem, self.page.at(pixel, 0)).await;
                 let mut room = true;
                 if count % PAGE == 0 {
                     let new = mem.add(self.taken.at(0), 1, Order::Relaxed).await;
                     room = u64::from(new) < last;
                     if room {
                         mem.plain_store(self.pages.at(first(new)), page).await;
-                        mem.plain_store(self.page.at(pixel, 0), new).await;
+                        V::Reach::write(mem, self.page.at(pixel, 0), new).await;
                         page = new;
                     }
                 }
                 if room {
-                    mem.plain_store(self.counter.at(pixel, 0), count + 1).await;
+                    V::Reach::write(mem, self.counter.at(pixel, 0), count + 1).await;
                 }
                 if V::LOCKED {
-                    self.lock.release(mem, pixel, V::UNLOCK).await;
+                    match V::UNLOCK {
+                        None => _ = V::Reach::release(mem, self.lock, pixel).await,
+                        Some(access) => self.lock.release(mem, pixel, access).await,
+                    }
                 }
                 if !room {
                     return Outcome::Pool;
@@ -206,8 +228,8 @@ impl<V: Variant> Scheme for AbPagedList<V> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let mut left = mem.plain_load(self.counter.at(pixel, 0)).await;
-        let mut page = mem.plain_load(self.page.at(pixel, 0)).await;
+        let mut left = mem.read(self.counter.at(pixel, 0), V::Reach::SETTLED).await;
+        let mut page = mem.read(self.page.at(pixel, 0), V::Reach::SETTLED).await;
         // Only the current page can be partly full; only a faulty form has fewer pages than it needs.
         while left > 0 && page != NONE {
             let full = (left - 1) % PAGE + 1;

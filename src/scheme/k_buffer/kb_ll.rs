@@ -19,15 +19,20 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Layout, Memory, Order, Snapshot};
+use crate::memory::{Atomic, Layout, Memory, Order, Plain, Snapshot};
 use crate::scheme::contract::{Accounting, Demand, Keeps, Overflow};
-use crate::scheme::parts::list::{Flaw, Lists, NONE};
+use crate::scheme::parts::list::{Flaw, Halves, Lists, NONE, NodeKeys, Whole};
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, or a fault in it.
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
+    /// How links are reached.
+    type Reach: Reach;
+    /// How nodes hold their keys.
+    type Keys: NodeKeys;
     /// How a node is published.
     const PUBLISH: Order = Order::Release;
     /// Whether depth and data are in the node before it is published.
@@ -48,9 +53,9 @@ pub enum RelaxedPublication {}
 
 /// The method.
 #[derive(Debug)]
-pub struct KNearestList<V = Correct> {
+pub struct KNearestList<V: Variant = Correct> {
     k: u32,
-    lists: Lists<Atomic>,
+    lists: Lists<Atomic, V::Keys>,
     variant: PhantomData<V>,
 }
 
@@ -73,6 +78,25 @@ const CONTRACT: Contract = Contract {
 
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
+    type Reach = Plain;
+    type Keys = Whole;
+}
+
+impl Variant for Atomic {
+    const CONTRACT: Contract =
+        CONTRACT.mended("kb-ll@atomic", "k-buffer in a sorted linked list, all words atomic");
+    type Reach = Self;
+    type Keys = Halves<Self>;
+}
+
+impl Variant for Updated {
+    const CONTRACT: Contract = Contract {
+        needs: "32-bit atomic updates, relaxed; no load buffering",
+        ..updated(CONTRACT, "kb-ll@rmw", "k-buffer in a sorted linked list, nodes by updates")
+    };
+    type Reach = Self;
+    type Keys = Halves<Self>;
+    const PUBLISH: Order = Order::Relaxed;
 }
 
 impl Variant for PublishedFirst {
@@ -81,6 +105,8 @@ impl Variant for PublishedFirst {
         "Fault M11: a node is published before it is written",
         "no two invocations of a pixel overlap",
     );
+    type Reach = Plain;
+    type Keys = Whole;
     const WRITTEN_FIRST: bool = false;
 }
 
@@ -90,6 +116,8 @@ impl Variant for RelaxedPublication {
         "Fault relaxed: a node is published by a relaxed compare-exchange",
         "under sequential consistency only",
     );
+    type Reach = Plain;
+    type Keys = Whole;
     const PUBLISH: Order = Order::Relaxed;
 }
 
@@ -119,11 +147,11 @@ impl<V: Variant> Scheme for KNearestList<V> {
         loop {
             let step = mem.block();
             let next = if previous == NONE {
-                mem.load(head, Order::Acquire).await
+                mem.load(head, V::Reach::ACQUIRE).await
             } else {
-                mem.load(lists.link(previous), Order::Acquire).await
+                V::Reach::load(mem, lists.link(previous), Order::Acquire).await
             };
-            let passes = next != NONE && lists.key(mem, next).await <= fragment.key();
+            let passes = next != NONE && V::Keys::of(lists.read(mem, next).await) <= fragment.key();
             if passes {
                 previous = next;
                 nearer += 1;
@@ -140,7 +168,7 @@ impl<V: Variant> Scheme for KNearestList<V> {
                         lists.fill(mem, own, fragment).await;
                     }
                 }
-                mem.store(lists.link(own), next, Order::Relaxed).await;
+                V::Reach::store(mem, lists.link(own), next, Order::Relaxed).await;
                 let found = if previous == NONE {
                     mem.compare_exchange(head, next, own, V::PUBLISH).await
                 } else {
@@ -181,7 +209,7 @@ impl<V: Variant> Scheme for KNearestList<V> {
             if node == NONE {
                 break;
             }
-            keys.push(self.lists.key(mem, node).await);
+            keys.push(V::Keys::of(self.lists.settled(mem, node).await));
             node = mem.load(self.lists.link(node), Order::Relaxed).await;
         }
     }

@@ -275,7 +275,7 @@ impl<V: Variant> Scheme for KVariable<V> {
             return Outcome::Culled;
         }
         let (first, crowded) = self.ranges.placed::<_, Self>(mem, pixel).await;
-        let slots = OfFrame { depth: self.depth, data: self.data, first };
+        let slots: OfFrame = OfFrame { depth: self.depth, data: self.data, first };
         let heap = crowded && k > ARRAY_UP_TO;
         let counter = self.counter.at(pixel, 0);
         let row = Row { slots, k, heap, lock: self.lock, counter };
@@ -317,7 +317,7 @@ impl<V: Variant> Scheme for KVariable<V> {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {
             let (first, _) = self.ranges.placed::<_, ()>(mem, pixel).await;
-            let slots = OfFrame { depth: self.depth, data: self.data, first };
+            let slots: OfFrame = OfFrame { depth: self.depth, data: self.data, first };
             for i in 0..count {
                 keys.push(pair_key(entry(mem, slots, i).await));
             }

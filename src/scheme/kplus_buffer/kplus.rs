@@ -22,7 +22,7 @@ impl Scheme for KPlus {
         name: "kplus",
         title: "k+-buffer: max-array for k <= 16, max-heap above",
         section: "3.1, 3.2 (K+B)",
-        source: KPlusArray::CONTRACT.source,
+        source: <KPlusArray>::CONTRACT.source,
         ..<KPlusHeap<kplus_heap::Correct> as Scheme>::CONTRACT
     };
 

@@ -23,19 +23,20 @@ mod invariant;
 use std::future::Future;
 
 use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
-use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words, both};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words, both};
 use crate::scheme::contract::Keeps;
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{FREE, SpinLock};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The method.
 #[derive(Debug)]
-pub struct KPlusArray {
+pub struct KPlusArray<R: Reach = Plain> {
     k: u32,
     lock: SpinLock,
     counter: Words<Pixel, Atomic, u32>,
     depth: Words<Pixel, Atomic, u32>,
-    data: Words<Pixel, Plain, u32>,
+    data: Words<Pixel, R::Kind, u32>,
 }
 
 const CONTRACT: Contract = Contract {
@@ -46,8 +47,31 @@ const CONTRACT: Contract = Contract {
     ..super::locked("kplus-array", Keeps::Nearest)
 };
 
-impl Scheme for KPlusArray {
+/// The correct form, or a mended one: `R` says how the lock's holder reaches its words.
+pub trait Variant: Reach {
+    /// This form's contract.
+    const CONTRACT: Contract;
+}
+
+impl Variant for Plain {
     const CONTRACT: Contract = CONTRACT;
+}
+
+impl Variant for Atomic {
+    const CONTRACT: Contract = CONTRACT
+        .mended("kplus-array@atomic", "k+-buffer: spin lock and max-array, all words atomic");
+}
+
+impl Variant for Updated {
+    const CONTRACT: Contract = updated(
+        CONTRACT,
+        "kplus-array@rmw",
+        "k+-buffer: spin lock and max-array, all accesses updates",
+    );
+}
+
+impl<R: Variant> Scheme for KPlusArray<R> {
+    const CONTRACT: Contract = R::CONTRACT;
 
     type Holds = Keys;
 
@@ -73,8 +97,8 @@ impl Scheme for KPlusArray {
         let counter = self.counter.at(pixel, 0);
         // A full array's farthest is in entry 0: what lies behind it need not wait for the lock.
         let test = mem.block();
-        if mem.load(counter, Order::Acquire).await == self.k
-            && fragment.depth > mem.load(self.depth.at(pixel, 0), Order::Relaxed).await
+        if mem.load(counter, R::ACQUIRE).await == self.k
+            && fragment.depth > R::load(mem, self.depth.at(pixel, 0), Order::Relaxed).await
         {
             return Outcome::Culled;
         }
@@ -83,9 +107,9 @@ impl Scheme for KPlusArray {
         let mark = mem.mark();
         loop {
             let attempt = mem.block();
-            if self.lock.try_acquire(mem, pixel, Order::Acquire).await == FREE {
+            if self.lock.try_acquire(mem, pixel, R::ACQUIRE).await == FREE {
                 let new = fragment.key();
-                let count = mem.load(counter, Order::Relaxed).await;
+                let count = R::load(mem, counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
                     // Append, into entry 0 if it is the farthest; only then raise the counter.
@@ -98,16 +122,16 @@ impl Scheme for KPlusArray {
                         }
                     }
                     self.put(mem, pixel, count, last).await;
-                    mem.store(counter, count + 1, Order::Release).await;
+                    R::store(mem, counter, count + 1, Order::Release).await;
                     outcome = Outcome::Kept;
                 } else if new < pair_key(self.entry(mem, pixel, 0).await) {
                     // Find the new farthest before anything is written.
                     let (mut place, mut farthest) = (0, new);
                     for i in 1..self.k {
                         // The data word decides only among equal depths, and is read only then.
-                        let depth = mem.load(self.depth.at(pixel, i), Order::Relaxed).await;
+                        let depth = R::load(mem, self.depth.at(pixel, i), Order::Relaxed).await;
                         if depth >= depth_of(farthest) {
-                            let data = mem.plain_load(self.data.at(pixel, i)).await;
+                            let data = R::read(mem, self.data.at(pixel, i)).await;
                             if key(depth, data) > farthest {
                                 (place, farthest) = (i, key(depth, data));
                             }
@@ -120,7 +144,7 @@ impl Scheme for KPlusArray {
                     self.put(mem, pixel, 0, farthest).await;
                     outcome = Outcome::Evicted;
                 }
-                self.lock.release(mem, pixel, Access::Atomic(Order::Release)).await;
+                R::release(mem, self.lock, pixel).await;
                 return outcome;
             }
             mem.merge(attempt).await;
@@ -135,34 +159,30 @@ impl Scheme for KPlusArray {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         for i in 0..count {
-            keys.push(pair_key(self.entry(mem, pixel, i).await));
+            let (depth, data) = (self.depth.at(pixel, i), self.data.at(pixel, i));
+            let record = both(mem.load(depth, Order::Relaxed), mem.read(data, R::SETTLED)).await;
+            keys.push(pair_key(record));
         }
     }
 }
 
-impl KPlusArray {
+impl<R: Reach> KPlusArray<R> {
     /// Depth and data word of an entry.
     #[inline(always)]
     #[track_caller]
     fn entry<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = (u32, u32)> {
         both(
-            mem.load(self.depth.at(pixel, i), Order::Relaxed),
-            mem.plain_load(self.data.at(pixel, i)),
+            R::load(mem, self.depth.at(pixel, i), Order::Relaxed),
+            R::read(mem, self.data.at(pixel, i)),
         )
     }
 
     #[inline(always)]
     #[track_caller]
-    fn put<M: Memory>(
-        &self,
-        mem: &M,
-        pixel: u32,
-        i: u32,
-        entry: u64,
-    ) -> impl Future<Output = ((), ())> {
+    fn put<M: Memory>(&self, mem: &M, pixel: u32, i: u32, entry: u64) -> impl Future {
         both(
-            mem.plain_store(self.data.at(pixel, i), data_of(entry)),
-            mem.store(self.depth.at(pixel, i), depth_of(entry), Order::Relaxed),
+            R::write(mem, self.data.at(pixel, i), data_of(entry)),
+            R::store(mem, self.depth.at(pixel, i), depth_of(entry), Order::Relaxed),
         )
     }
 }

@@ -11,24 +11,27 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::{Dependence, Form, Keeps};
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{FREE, SpinLock};
 use crate::scheme::parts::max_heap;
 use crate::scheme::parts::max_heap::By;
-use crate::scheme::parts::slots::{OfPixel, Slots, entry};
+use crate::scheme::parts::slots::{OfPixel, Slots, entry, settled};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// The correct form, the published one, or a fault.
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
+    /// How the lock's holder reaches the records.
+    type Reach: Reach;
     /// How the lock is taken.
-    const LOCK: Order = Order::Acquire;
-    /// How it is released.
-    const UNLOCK: Access = Access::Atomic(Order::Release);
-    /// How counter and root are read before the lock.
-    const TEST: Access = Access::Atomic(Order::Acquire);
-    /// How the counter is raised.
-    const RAISE: Access = Access::Atomic(Order::Release);
+    const LOCK: Order = <Self::Reach as Reach>::ACQUIRE;
+    /// How it is released, if not as that way has it.
+    const UNLOCK: Option<Access> = None;
+    /// How counter and root are read before the lock, if not as that way has it.
+    const TEST: Option<Access> = None;
+    /// How the counter is raised, if not as that way has it.
+    const RAISE: Option<Access> = None;
     /// Whether a record is in place before the counter is raised.
     const RECORD_FIRST: bool = true;
     /// Whether records make room for the new one, instead of being swapped with it.
@@ -69,12 +72,12 @@ pub enum EqualDepthStops {}
 
 /// The method.
 #[derive(Debug)]
-pub struct KPlusHeap<V = Correct> {
+pub struct KPlusHeap<V: Variant = Correct> {
     k: u32,
     lock: SpinLock,
     counter: Words<Pixel, Atomic, u32>,
     depth: Words<Pixel, Atomic, u32>,
-    data: Words<Pixel, Plain, u32>,
+    data: Words<Pixel, <V::Reach as Reach>::Kind, u32>,
     variant: PhantomData<V>,
 }
 
@@ -88,6 +91,22 @@ const CONTRACT: Contract = Contract {
 
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
+    type Reach = Plain;
+}
+
+impl Variant for Atomic {
+    const CONTRACT: Contract =
+        CONTRACT.mended("kplus-heap@atomic", "k+-buffer: spin lock and max-heap, all words atomic");
+    type Reach = Self;
+}
+
+impl Variant for Updated {
+    const CONTRACT: Contract = updated(
+        CONTRACT,
+        "kplus-heap@rmw",
+        "k+-buffer: spin lock and max-heap, all accesses updates",
+    );
+    type Reach = Self;
 }
 
 impl Variant for Published {
@@ -103,12 +122,13 @@ impl Variant for Published {
         ..CONTRACT
     };
     const LOCK: Order = Order::Relaxed;
-    const UNLOCK: Access = Access::Plain;
-    const TEST: Access = Access::Plain;
-    const RAISE: Access = Access::Plain;
+    const UNLOCK: Option<Access> = Some(Access::Plain);
+    const TEST: Option<Access> = Some(Access::Plain);
+    const RAISE: Option<Access> = Some(Access::Plain);
     const RECORD_FIRST: bool = false;
     const BY_HOLE: bool = false;
     const COMPARED: By = By::Depth;
+    type Reach = Plain;
 }
 
 impl Variant for RelaxedCounter {
@@ -117,7 +137,8 @@ impl Variant for RelaxedCounter {
         "Fault M6: the counter is read before the lock without acquire",
         "under sequential consistency only",
     );
-    const TEST: Access = Access::Atomic(Order::Relaxed);
+    const TEST: Option<Access> = Some(Access::Atomic(Order::Relaxed));
+    type Reach = Plain;
 }
 
 impl Variant for RootFirst {
@@ -127,6 +148,7 @@ impl Variant for RootFirst {
         "no two invocations of a pixel overlap",
     );
     const BY_HOLE: bool = false;
+    type Reach = Plain;
 }
 
 impl Variant for PlainUnlock {
@@ -135,7 +157,8 @@ impl Variant for PlainUnlock {
         "Fault M1: unlock by a plain store",
         "under sequential consistency only",
     );
-    const UNLOCK: Access = Access::Plain;
+    const UNLOCK: Option<Access> = Some(Access::Plain);
+    type Reach = Plain;
 }
 
 impl Variant for DropsByArrival {
@@ -144,12 +167,14 @@ impl Variant for DropsByArrival {
         ..CONTRACT.fault("kplus-heap@M8", "Fault M8: overflow drops by arrival", "f(p) <= k")
     };
     const EVICTS: bool = false;
+    type Reach = Plain;
 }
 
 impl Variant for EqualDepthStops {
     const CONTRACT: Contract =
         CONTRACT.fault("kplus-heap@M9", "Fault M9: equal depth is culled", "depths differ");
     const COMPARED: By = By::Depth;
+    type Reach = Plain;
 }
 
 impl<V: Variant> Scheme for KPlusHeap<V> {
@@ -178,8 +203,15 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         let (pixel, new) = (fragment.pixel, fragment.key());
         let (heap, counter) = (self.heap(pixel), self.counter.at(pixel, 0));
         let test = mem.block();
-        if mem.read(counter, V::TEST).await == self.k {
-            let root = mem.read(heap.depth(0), V::TEST).await;
+        let seen = match V::TEST {
+            None => mem.load(counter, V::Reach::ACQUIRE).await,
+            Some(access) => mem.read(counter, access).await,
+        };
+        if seen == self.k {
+            let root = match V::TEST {
+                None => V::Reach::load(mem, heap.depth(0), V::Reach::ACQUIRE).await,
+                Some(access) => mem.read(heap.depth(0), access).await,
+            };
             // Among equal depths the data word decides, and only the lock's holder may read it.
             if fragment.depth > root || (V::COMPARED == By::Depth && fragment.depth == root) {
                 return Outcome::Culled;
@@ -191,11 +223,16 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         loop {
             let attempt = mem.block();
             if self.lock.try_acquire(mem, pixel, V::LOCK).await == FREE {
-                let count = mem.load(counter, Order::Relaxed).await;
+                let count = V::Reach::load(mem, counter, Order::Relaxed).await;
                 let mut outcome = Outcome::Culled;
                 if count < self.k {
                     if !V::RECORD_FIRST {
-                        mem.write(counter, count + 1, V::RAISE).await;
+                        match V::RAISE {
+                            None => {
+                                V::Reach::store(mem, counter, count + 1, Order::Release).await;
+                            }
+                            Some(access) => mem.write(counter, count + 1, access).await,
+                        }
                     }
                     if V::BY_HOLE {
                         max_heap::append::<_, _, Self>(mem, heap, count, new).await;
@@ -203,7 +240,12 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                         max_heap::append_by_swaps(mem, heap, count, new, V::COMPARED).await;
                     }
                     if V::RECORD_FIRST {
-                        mem.write(counter, count + 1, V::RAISE).await;
+                        match V::RAISE {
+                            None => {
+                                V::Reach::store(mem, counter, count + 1, Order::Release).await;
+                            }
+                            Some(access) => mem.write(counter, count + 1, access).await,
+                        }
                     }
                     outcome = Outcome::Kept;
                 } else {
@@ -218,7 +260,10 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
                         outcome = Outcome::Evicted;
                     }
                 }
-                self.lock.release(mem, pixel, V::UNLOCK).await;
+                match V::UNLOCK {
+                    None => _ = V::Reach::release(mem, self.lock, pixel).await,
+                    Some(access) => self.lock.release(mem, pixel, access).await,
+                }
                 return outcome;
             }
             mem.merge(attempt).await;
@@ -254,13 +299,13 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         for i in 0..count.min(self.k) {
-            keys.push(pair_key(entry(mem, self.heap(pixel), i).await));
+            keys.push(pair_key(settled(mem, self.heap(pixel), i).await));
         }
     }
 }
 
-impl<V> KPlusHeap<V> {
-    fn heap(&self, pixel: u32) -> OfPixel {
+impl<V: Variant> KPlusHeap<V> {
+    fn heap(&self, pixel: u32) -> OfPixel<V::Reach> {
         OfPixel { depth: self.depth, data: self.data, pixel }
     }
 }

@@ -18,10 +18,11 @@ use std::marker::PhantomData;
 use crate::fragment::{Fragment, pair_key};
 use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
 use crate::scheme::contract::{Form, Keeps};
+use crate::scheme::parts::lock::reach::{Reach, Updated, updated};
 use crate::scheme::parts::lock::{self, SpinLock};
 use crate::scheme::parts::locked_row::{self, Row};
 use crate::scheme::parts::ranges::{self, Ranges};
-use crate::scheme::parts::slots::{OfFrame, entry};
+use crate::scheme::parts::slots::{OfFrame, settled};
 use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 
 /// Up to this k, an array is faster than a heap (section 3.2).
@@ -31,6 +32,8 @@ pub const ARRAY_UP_TO: u32 = 16;
 pub trait Variant: Send + Sync + 'static {
     /// This form's contract.
     const CONTRACT: Contract;
+    /// How the lock's holder reaches a pixel's records.
+    type Reach: Reach;
     /// Whether the count is bounded by compare-exchange, and goes up to k + 1.
     const EXACT_COUNT: bool = true;
     /// Up to which k an array is used.
@@ -51,13 +54,13 @@ pub enum Heap {}
 
 /// The method.
 #[derive(Debug)]
-pub struct KPlusSb<V = Correct> {
+pub struct KPlusSb<V: Variant = Correct> {
     k: u32,
     lock: SpinLock,
     counter: Words<Pixel, Atomic, u32>,
     ranges: Ranges,
     depth: Words<Global, Atomic, u32>,
-    data: Words<Global, Plain, u32>,
+    data: Words<Global, <V::Reach as Reach>::Kind, u32>,
     variant: PhantomData<V>,
 }
 
@@ -72,8 +75,13 @@ const CONTRACT: Contract = Contract {
     ..ranges::counted("kplus-sb", Keeps::Nearest)
 };
 
+/// What the form needs whose accesses are updates.
+const MENDED_NEEDS: &str = "32-bit atomic updates, relaxed; no load buffering; forward progress of the lock's holder; \
+                            two geometry passes that generate the same fragments";
+
 impl Variant for Correct {
     const CONTRACT: Contract = CONTRACT;
+    type Reach = Plain;
 }
 
 impl Variant for Published {
@@ -84,6 +92,7 @@ impl Variant for Published {
         ..CONTRACT
     };
     const EXACT_COUNT: bool = false;
+    type Reach = Plain;
 }
 
 impl Variant for Heap {
@@ -93,6 +102,25 @@ impl Variant for Heap {
         ..CONTRACT
     };
     const ARRAY_UP_TO: u32 = 0;
+    type Reach = Plain;
+}
+
+impl Variant for Atomic {
+    const CONTRACT: Contract = CONTRACT
+        .mended("kplus-sb@atomic", "k+-buffer in exact contiguous ranges, all records atomic");
+    type Reach = Self;
+}
+
+impl Variant for Updated {
+    const CONTRACT: Contract = Contract {
+        needs: MENDED_NEEDS,
+        ..updated(
+            CONTRACT,
+            "kplus-sb@rmw",
+            "k+-buffer in exact contiguous ranges, all accesses updates",
+        )
+    };
+    type Reach = Self;
 }
 
 impl<V: Variant> Scheme for KPlusSb<V> {
@@ -192,16 +220,16 @@ impl<V: Variant> Scheme for KPlusSb<V> {
         if count > 0 {
             let (slots, _) = self.slots(mem, pixel).await;
             for i in 0..count {
-                keys.push(pair_key(entry(mem, slots, i).await));
+                keys.push(pair_key(settled(mem, slots, i).await));
             }
         }
     }
 }
 
-impl<V> KPlusSb<V> {
+impl<V: Variant> KPlusSb<V> {
     /// A pixel's records, and whether it has more than k fragments.
     #[inline(always)]
-    async fn slots<M: Memory>(&self, mem: &M, pixel: u32) -> (OfFrame, bool) {
+    async fn slots<M: Memory>(&self, mem: &M, pixel: u32) -> (OfFrame<V::Reach>, bool) {
         let (first, crowded) = self.ranges.start::<_, Self>(mem, pixel).await;
         (OfFrame { depth: self.depth, data: self.data, first }, crowded)
     }

@@ -5,6 +5,7 @@ pub mod k_variable;
 pub mod kplus;
 pub mod kplus_array;
 pub mod kplus_array_published;
+pub mod kplus_array_word64;
 pub mod kplus_heap;
 pub mod kplus_multi;
 pub mod kplus_sb;

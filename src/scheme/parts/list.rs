@@ -8,10 +8,12 @@
 
 use std::fmt;
 use std::future::Future;
+use std::marker::PhantomData;
 
-use crate::fragment::Fragment;
+use super::lock::reach::Reach;
+use crate::fragment::{Fragment, data_of, depth_of, pair_key};
 use crate::memory::{
-    At, Atomic, Global, Kind, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words,
+    At, Atomic, Global, Kind, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words, both,
 };
 use crate::scheme::{Config, Keys};
 
@@ -20,20 +22,131 @@ pub const NONE: u32 = u32::MAX;
 
 /// Lists of every pixel, whose links are plain or atomic.
 #[derive(Debug)]
-pub struct Lists<L = Plain> {
+pub struct Lists<L = Plain, K = Whole> {
     heads: Words<Pixel, Atomic, u32>,
     pool: Pool,
     links: Words<Global, L, u32>,
-    keys: Words<Global, Plain, u64>,
+    keys: K,
 }
 
-impl<L> Clone for Lists<L> {
+impl<L, K: Copy> Clone for Lists<L, K> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<L> Copy for Lists<L> {}
+impl<L, K: Copy> Copy for Lists<L, K> {}
+
+/// How the nodes of a pool hold their keys.
+pub trait NodeKeys: Copy + fmt::Debug + Send + Sync + 'static {
+    /// What is read of one.
+    type Read: Copy + Unpin;
+
+    /// Declare so many.
+    fn new(count: u64, layout: &mut Layout) -> Self;
+
+    /// Write a node's, before it is published.
+    #[track_caller]
+    fn write<M: Memory>(self, mem: &M, node: u64, key: u64) -> impl Future;
+
+    /// Read that of a node that was published.
+    #[track_caller]
+    fn read<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = Self::Read>;
+
+    /// Read one after a barrier.
+    #[track_caller]
+    fn settled<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = Self::Read>;
+
+    /// The key that was read.
+    fn of(read: Self::Read) -> u64;
+
+    /// One, for an invariant.
+    fn seen(self, words: &Snapshot<'_>, node: u64) -> Option<u64>;
+}
+
+/// Plain keys of one word.
+pub type Whole = Words<Global, Plain, u64>;
+
+#[allow(clippy::inline_always, reason = "see `Memory`")]
+impl NodeKeys for Whole {
+    type Read = u64;
+
+    fn new(count: u64, layout: &mut Layout) -> Self {
+        layout.global(count)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn write<M: Memory>(self, mem: &M, node: u64, key: u64) -> impl Future {
+        mem.plain_store(self.at(node), key)
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn read<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = u64> {
+        mem.plain_load(self.at(node))
+    }
+
+    #[inline(always)]
+    #[track_caller]
+    fn settled<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = u64> {
+        mem.plain_load(self.at(node))
+    }
+
+    #[inline(always)]
+    fn of(key: u64) -> u64 {
+        key
+    }
+
+    fn seen(self, words: &Snapshot<'_>, node: u64) -> Option<u64> {
+        words.get(self.at(node))
+    }
+}
+
+/// Keys of two atomic words, depth and data, reached in one of the ways of mended forms.
+#[derive(Clone, Copy, Debug)]
+pub struct Halves<R> {
+    depth: Words<Global, Atomic, u32>,
+    data: Words<Global, Atomic, u32>,
+    reach: PhantomData<R>,
+}
+
+impl<R: Reach<Kind = Atomic> + Copy> NodeKeys for Halves<R> {
+    type Read = (u32, u32);
+
+    fn new(count: u64, layout: &mut Layout) -> Self {
+        Self { depth: layout.global(count), data: layout.global(count), reach: PhantomData }
+    }
+
+    #[track_caller]
+    fn write<M: Memory>(self, mem: &M, node: u64, key: u64) -> impl Future {
+        both(
+            R::write(mem, self.depth.at(node), depth_of(key)),
+            R::write(mem, self.data.at(node), data_of(key)),
+        )
+    }
+
+    #[track_caller]
+    fn read<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = (u32, u32)> {
+        both(R::read(mem, self.depth.at(node)), R::read(mem, self.data.at(node)))
+    }
+
+    #[track_caller]
+    fn settled<M: Memory>(self, mem: &M, node: u64) -> impl Future<Output = (u32, u32)> {
+        both(
+            mem.load(self.depth.at(node), Order::Relaxed),
+            mem.load(self.data.at(node), Order::Relaxed),
+        )
+    }
+
+    fn of(halves: (u32, u32)) -> u64 {
+        pair_key(halves)
+    }
+
+    fn seen(self, words: &Snapshot<'_>, node: u64) -> Option<u64> {
+        Some(pair_key((words.get(self.depth.at(node))?, words.get(self.data.at(node))?)))
+    }
+}
 
 /// A written node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +185,7 @@ impl fmt::Display for Flaw {
     }
 }
 
-impl<L: Kind> Lists<L> {
+impl<L: Kind, K: NodeKeys> Lists<L, K> {
     /// Declare so many lists per pixel, and a pool of as many nodes as the scene has fragments.
     #[must_use]
     pub fn new(lists: u32, config: &Config, layout: &mut Layout) -> Self {
@@ -81,7 +194,7 @@ impl<L: Kind> Lists<L> {
             heads: layout.pixel(lists.into()),
             pool: layout.pool(),
             links: layout.global(capacity),
-            keys: layout.global(capacity),
+            keys: K::new(capacity, layout),
         }
     }
 
@@ -135,20 +248,22 @@ impl<L: Kind> Lists<L> {
     /// Write the fragment into a node.
     #[inline(always)]
     #[track_caller]
-    pub fn fill<M: Memory>(
-        self,
-        mem: &M,
-        node: u32,
-        fragment: Fragment,
-    ) -> impl Future<Output = ()> + Unpin {
-        mem.plain_store(self.keys.at(node.into()), fragment.key())
+    pub fn fill<M: Memory>(self, mem: &M, node: u32, fragment: Fragment) -> impl Future {
+        self.keys.write(mem, node.into(), fragment.key())
     }
 
-    /// The key of a node's fragment.
+    /// Read the key of a node that others may be filling: [`NodeKeys::of`] makes one of it.
     #[inline(always)]
     #[track_caller]
-    pub fn key<M: Memory>(self, mem: &M, node: u32) -> impl Future<Output = u64> + Unpin {
-        mem.plain_load(self.keys.at(node.into()))
+    pub fn read<M: Memory>(self, mem: &M, node: u32) -> impl Future<Output = K::Read> {
+        self.keys.read(mem, node.into())
+    }
+
+    /// The same after a barrier.
+    #[inline(always)]
+    #[track_caller]
+    pub fn settled<M: Memory>(self, mem: &M, node: u32) -> impl Future<Output = K::Read> {
+        self.keys.settled(mem, node.into())
     }
 
     /// Make a node the first of its list, by an exchange. Gives what the node must lead to.
@@ -188,13 +303,22 @@ impl<L: Kind> Lists<L> {
             if seen == self.capacity() {
                 return Some(Err(Flaw::Endless(seen)));
             }
-            let written = (words.get(self.link(number)), words.get(self.keys.at(number.into())));
+            let written = (words.get(self.link(number)), self.keys.seen(words, number.into()));
             let (Some(next), Some(key)) = written else {
                 return Some(Err(Flaw::Unwritten(number)));
             };
             (node, seen) = (next, seen + 1);
             Some(Ok(Node { number, next, key }))
         })
+    }
+}
+
+impl<L: Kind> Lists<L> {
+    /// The key of a node's fragment.
+    #[inline(always)]
+    #[track_caller]
+    pub fn key<M: Memory>(self, mem: &M, node: u32) -> impl Future<Output = u64> + Unpin {
+        mem.plain_load(self.keys.at(node.into()))
     }
 
     /// A node as a test wants it.

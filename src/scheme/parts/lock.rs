@@ -18,6 +18,8 @@
 //! Each use says how it is taken and released, since that is where published shaders differ: the correct ways are an
 //! acquire exchange, and a release store of 0.
 
+pub mod reach;
+
 use std::future::Future;
 
 use crate::memory::{Access, Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};

@@ -4,11 +4,12 @@
 //! The steps are those of the correct forms (`kplus_array`, `kplus_heap`): a cull test before the lock, the counter
 //! raised only when its record is in place.
 
+use super::lock::reach::Reach;
 use super::lock::{FREE, SpinLock};
 use super::slots::{Slots, entry};
 use super::{max_array, max_heap};
 use crate::fragment::{Fragment, pair_key};
-use crate::memory::{Access, At, Atomic, Memory, Order, Pixel};
+use crate::memory::{At, Atomic, Memory, Order, Pixel};
 use crate::scheme::Outcome;
 
 /// A pixel's row.
@@ -37,8 +38,8 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
     let Row { slots, k, heap, lock, counter } = row;
     let new = fragment.key();
     let test = mem.block();
-    if mem.load(counter, Order::Acquire).await == k
-        && fragment.depth > mem.load(slots.depth(0), Order::Relaxed).await
+    if mem.load(counter, S::Reach::ACQUIRE).await == k
+        && fragment.depth > S::Reach::load(mem, slots.depth(0), Order::Relaxed).await
     {
         return Some(new);
     }
@@ -47,8 +48,8 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
     let mark = mem.mark();
     loop {
         let attempt = mem.block();
-        if lock.try_acquire(mem, fragment.pixel, Order::Acquire).await == FREE {
-            let count = mem.load(counter, Order::Relaxed).await;
+        if lock.try_acquire(mem, fragment.pixel, S::Reach::ACQUIRE).await == FREE {
+            let count = S::Reach::load(mem, counter, Order::Relaxed).await;
             let mut gone = None;
             if count < k {
                 if heap {
@@ -56,7 +57,7 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
                 } else {
                     max_array::append::<_, _, Caller>(mem, slots, count, new).await;
                 }
-                mem.store(counter, count + 1, Order::Release).await;
+                S::Reach::store(mem, counter, count + 1, Order::Release).await;
             } else {
                 let farthest = pair_key(entry(mem, slots, 0).await);
                 gone = Some(new.max(farthest));
@@ -66,7 +67,7 @@ pub async fn insert<M: Memory, S: Slots, Caller>(
                     max_array::replace::<_, _, Caller>(mem, slots, k, new).await;
                 }
             }
-            lock.release(mem, fragment.pixel, Access::Atomic(Order::Release)).await;
+            S::Reach::release(mem, lock, fragment.pixel).await;
             return gone;
         }
         mem.merge(attempt).await;

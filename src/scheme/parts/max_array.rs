@@ -1,6 +1,7 @@
 //! The max-array of K+B-Array (k+-buffer paper, section 3.2): the farthest record is at entry 0, the others anywhere.
 //! The order of writes is that of the correct form (see `kplus_array`, which has it in its own body).
 
+use super::lock::reach::Reach;
 use super::slots::{Slots, entry, put};
 use crate::fragment::{depth_of, key, pair_key};
 use crate::memory::{Memory, Order};
@@ -25,9 +26,9 @@ pub async fn replace<M: Memory, S: Slots, Caller>(mem: &M, slots: S, count: u32,
     let (mut place, mut farthest) = (0, new);
     for i in 1..count {
         // The data word decides only among equal depths, and is read only then.
-        let depth = mem.load(slots.depth(i), Order::Relaxed).await;
+        let depth = S::Reach::load(mem, slots.depth(i), Order::Relaxed).await;
         if depth >= depth_of(farthest) {
-            let data = mem.plain_load(slots.data(i)).await;
+            let data = S::Reach::read(mem, slots.data(i)).await;
             if key(depth, data) > farthest {
                 (place, farthest) = (i, key(depth, data));
             }

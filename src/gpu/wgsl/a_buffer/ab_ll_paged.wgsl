@@ -8,6 +8,7 @@
 //# include shared/fragment
 //# include parts/list
 //# include parts/lock
+//# include reach/pages
 //# include shared/emit
 
 // Fragments of a page.
@@ -18,8 +19,8 @@ const WORDS: u32 = 1u + 2u * PAGE;
 
 struct Pixel {
     lock: atomic<u32>,
-    counter: u32,
-    page: u32,
+    counter: Word,
+    page: Word,
 }
 
 struct Frame {
@@ -46,23 +47,24 @@ fn clear_frame() {
 
 fn clear(pixel: u32) {
     atomicStore(&pixels[pixel].lock, FREE);
-    pixels[pixel].counter = 0u;
-    pixels[pixel].page = NONE;
+    empty(pixel);
 }
 
 // Under the lock: the first word of a record for one more fragment, or NONE if there is no page for it.
 fn take(pixel: u32) -> u32 {
-    let count = pixels[pixel].counter;
+    let count = count_of(pixel);
+    var page = page_of(pixel);
     if count % PAGE == 0u {
-        let page = atomicAdd(&memory.taken, 1u);
+        let last = page;
+        page = atomicAdd(&memory.taken, 1u);
         if page >= PAGES {
             return NONE;
         }
-        memory.pages[first_of(page)] = pixels[pixel].page;
-        pixels[pixel].page = page;
+        memory.pages[first_of(page)] = last;
+        set_page(pixel, page);
     }
-    pixels[pixel].counter = count + 1u;
-    return record_of(pixels[pixel].page, count % PAGE);
+    set_count(pixel, count + 1u);
+    return record_of(page, count % PAGE);
 }
 
 fn store(fragment: Fragment) -> u32 {
@@ -71,7 +73,7 @@ fn store(fragment: Fragment) -> u32 {
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
         if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
             let record = take(pixel);
-            atomicStore(&pixels[pixel].lock, FREE);
+            unlock(pixel);
             outcome = POOL;
             if record != NONE {
                 memory.pages[record] = fragment.depth;
@@ -84,8 +86,8 @@ fn store(fragment: Fragment) -> u32 {
 }
 
 fn resolve(pixel: u32) {
-    var left = pixels[pixel].counter;
-    var page = pixels[pixel].page;
+    var left = settled_count(pixel);
+    var page = settled_page(pixel);
     // Only the current page can be partly full.
     while left > 0u && page != NONE {
         let full = (left - 1u) % PAGE + 1u;

@@ -10,6 +10,7 @@
 
 //# include shared/fragment
 //# include parts/list
+//# include reach/nodes
 //# include shared/emit
 
 // A compare-exchange fails because another invocation got in, which changes the link. If the link did not change, it
@@ -21,14 +22,7 @@ struct Pixel {
     head: atomic<u32>,
 }
 
-struct Frame {
-    taken: atomic<u32>,
-    links: array<atomic<u32>>,
-}
-
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
-@group(0) @binding(2) var<storage, read_write> nodes: Frame;
-@group(0) @binding(3) var<storage, read_write> keys: array<Key>;
 
 fn clear_frame() {
     atomicStore(&nodes.taken, 0u);
@@ -43,7 +37,7 @@ fn next_of(pixel: u32, previous: u32) -> u32 {
     if previous == NONE {
         return atomicLoad(&pixels[pixel].head);
     }
-    return atomicLoad(&nodes.links[previous]);
+    return link_of(previous);
 }
 
 // Put the node `own` between `previous` and `next`, if they are still neighbours.
@@ -66,7 +60,7 @@ fn store(fragment: Fragment) -> u32 {
         let next = next_of(fragment.pixel, previous);
         futile += u32(failed && next == last);
         failed = false;
-        if next != NONE && !is_less(key, keys[next]) {
+        if next != NONE && !is_less(key, key_of_node(next)) {
             previous = next;
             nearer += 1u;
             if nearer == K {
@@ -78,10 +72,10 @@ fn store(fragment: Fragment) -> u32 {
                 if own >= GENERATED {
                     return POOL;
                 }
-                keys[own] = key;
+                set_key(own, key);
             }
-            atomicStore(&nodes.links[own], next);
-            if publish(fragment.pixel, previous, next, own) {
+            set_link(own, next);
+            if publish(fragment.pixel, previous, next, complete(fragment.pixel, own)) {
                 return KEPT;
             }
             failed = true;
@@ -94,7 +88,7 @@ fn store(fragment: Fragment) -> u32 {
 fn resolve(pixel: u32) {
     var node = atomicLoad(&pixels[pixel].head);
     for (var i = 0u; i < K && node != NONE; i++) {
-        emit(keys[node]);
+        emit(settled_key(node));
         node = atomicLoad(&nodes.links[node]);
     }
 }

@@ -36,7 +36,7 @@ struct Frame {
     weight_blocks: array<atomic<u32>, BLOCKS>,
     weight_groups: array<u32, GROUPS>,
     depth: array<atomic<u32>, RECORDS_ROOM>,
-    data: array<u32>,
+    data: array<Word>,
 }
 
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
@@ -145,14 +145,14 @@ fn store(fragment: Fragment) -> u32 {
         return CULLED;
     }
     let range = placed(pixel);
-    if atomicLoad(&pixels[pixel].counter) == k && fragment.depth > atomicLoad(&memory.depth[range.start]) {
+    if atomicLoad(&pixels[pixel].counter) == k && fragment.depth > farthest_of(range.start) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
         if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
             outcome = insert(pixel, range, k, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            unlock(pixel);
         }
     }
     return outcome;
@@ -163,7 +163,7 @@ fn resolve(pixel: u32) {
     if count > 0u {
         let first = placed(pixel).start;
         for (var i = 0u; i < count; i++) {
-            emit(entry(first, i));
+            emit(settled(first, i));
         }
     }
 }

@@ -8,25 +8,17 @@
 //# include shared/fragment
 //# include parts/lock
 //# include parts/max_heap
+//# include reach/pixel_rows
 //# include shared/emit
 
 struct Pixel {
     lock: atomic<u32>,
     counter: atomic<u32>,
     depth: array<atomic<u32>, K>,
-    data: array<u32, K>,
+    data: array<Word, K>,
 }
 
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
-
-fn entry(pixel: u32, i: u32) -> Key {
-    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
-}
-
-fn put(pixel: u32, i: u32, key: Key) {
-    pixels[pixel].data[i] = key.x;
-    atomicStore(&pixels[pixel].depth[i], key.y);
-}
 
 fn clear(pixel: u32) {
     atomicStore(&pixels[pixel].lock, FREE);
@@ -35,10 +27,10 @@ fn clear(pixel: u32) {
 
 // Under the lock.
 fn insert(pixel: u32, key: Key) -> u32 {
-    let count = atomicLoad(&pixels[pixel].counter);
+    let count = count_of(pixel);
     if count < K {
         heap_append(pixel, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
+        set_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(pixel, 0u)) {
@@ -51,14 +43,14 @@ fn insert(pixel: u32, key: Key) -> u32 {
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     // Of equal depths, the data word decides, which only the lock's holder may read.
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > farthest_of(pixel) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
         if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
             outcome = insert(pixel, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            unlock(pixel);
         }
     }
     return outcome;
@@ -67,6 +59,6 @@ fn store(fragment: Fragment) -> u32 {
 fn resolve(pixel: u32) {
     let count = atomicLoad(&pixels[pixel].counter);
     for (var i = 0u; i < min(count, K); i++) {
-        emit(entry(pixel, i));
+        emit(settled(pixel, i));
     }
 }

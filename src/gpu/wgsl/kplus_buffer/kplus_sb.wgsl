@@ -27,7 +27,7 @@ struct Frame {
     blocks: array<atomic<u32>, BLOCKS>,
     groups: array<u32, GROUPS>,
     depth: array<atomic<u32>, BOUNDED_ROOM>,
-    data: array<u32>,
+    data: array<Word>,
 }
 
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
@@ -75,14 +75,14 @@ fn frame(number: u32, index: u32) {
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     let range = range_of(pixel);
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&memory.depth[range.start]) {
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > farthest_of(range.start) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
         if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
             outcome = insert(pixel, range, K, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            unlock(pixel);
         }
     }
     return outcome;
@@ -93,7 +93,7 @@ fn resolve(pixel: u32) {
     if count > 0u {
         let first = range_of(pixel).start;
         for (var i = 0u; i < count; i++) {
-            emit(entry(first, i));
+            emit(settled(first, i));
         }
     }
 }

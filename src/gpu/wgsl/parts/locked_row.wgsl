@@ -1,23 +1,14 @@
 // A bounded row of records behind a pixel's lock, for methods that give each pixel a row of its own length: a max-array,
 // or a max-heap for more than ARRAY_UP_TO records where the range's flag says that there are more fragments.
 //
-// The method declares the words: an atomic `counter` of each of `pixels`, and in `memory` the frame's atomic `depth` and
-// plain `data`.
+// The method declares the words: an atomic `lock` and `counter` of each of `pixels`, and in `memory` the frame's atomic
+// `depth`, and `data` of the kind Word.
 
 //# include parts/ranges
 //# include parts/max_array
 //# include parts/max_heap
 //# include parts/array_up_to
-
-// Record i of the range that begins at `first`.
-fn entry(first: u32, i: u32) -> Key {
-    return Key(memory.data[first + i], atomicLoad(&memory.depth[first + i]));
-}
-
-fn put(first: u32, i: u32, key: Key) {
-    memory.data[first + i] = key.x;
-    atomicStore(&memory.depth[first + i], key.y);
-}
+//# include reach/frame_rows
 
 fn append(range: Range, k: u32, count: u32, key: Key) {
     if range.flag && k > ARRAY_UP_TO {
@@ -37,10 +28,10 @@ fn replace(range: Range, k: u32, key: Key) {
 
 // Under the lock.
 fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
-    let count = atomicLoad(&pixels[pixel].counter);
+    let count = count_of(pixel);
     if count < k {
         append(range, k, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
+        set_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(range.start, 0u)) {

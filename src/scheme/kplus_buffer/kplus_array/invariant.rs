@@ -1,10 +1,10 @@
 //! What holds of a max-array's words at every moment, and what more when the lock is free.
 
-use super::{KPlusArray, pair_key};
+use super::{KPlusArray, Reach, pair_key};
 use crate::memory::Snapshot;
 use crate::scheme::Moment;
 
-impl KPlusArray {
+impl<R: Reach> KPlusArray<R> {
     /// The lock is free or taken, and free in the end; the counter does not exceed k; while the lock is free, entry 0
     /// is the farthest of those counted.
     pub(super) fn check(

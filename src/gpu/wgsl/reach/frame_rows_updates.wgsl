@@ -1,0 +1,41 @@
+// How a lock's holder reaches a range of the frame's records in a form where every access is an update: see
+// reach/updates.
+//
+// Without the lock, the counter is read by a load, and entry 0 of a full row by an update: a stale counter is only lower.
+
+//# include reach/updates
+
+// A word that the lock alone guards.
+alias Word = atomic<u32>;
+
+fn entry(first: u32, i: u32) -> Key {
+    return Key(got(atomicOr(&memory.data[first + i], 0u)), got(atomicOr(&memory.depth[first + i], 0u)));
+}
+
+// The same after a barrier.
+fn settled(first: u32, i: u32) -> Key {
+    return Key(atomicLoad(&memory.data[first + i]), atomicLoad(&memory.depth[first + i]));
+}
+
+fn put(first: u32, i: u32, key: Key) {
+    got(atomicExchange(&memory.data[first + i], key.x));
+    got(atomicExchange(&memory.depth[first + i], key.y));
+}
+
+// The depth of entry 0, without the lock.
+fn farthest_of(first: u32) -> u32 {
+    return atomicOr(&memory.depth[first], 0u);
+}
+
+// Under the lock.
+fn count_of(pixel: u32) -> u32 {
+    return got(atomicOr(&pixels[pixel].counter, 0u));
+}
+
+fn set_count(pixel: u32, count: u32) {
+    got(atomicExchange(&pixels[pixel].counter, count));
+}
+
+fn unlock(pixel: u32) {
+    atomicExchange(&pixels[pixel].lock, FREE | (given & never(pixel)));
+}
