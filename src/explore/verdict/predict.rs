@@ -1,4 +1,5 @@
-//! What a device may show of a method's twin: what the checker says of it under relaxed memory as WGSL has it.
+//! What a device may show of a method's twin: what the checker says of it under relaxed memory as the twin's language
+//! has it.
 //!
 //! Instances are explored by size. The first size at which a result is wrong decides, unless results are wrong in which
 //! of equal depths they have, and in nothing else: then larger sizes may show more. A size with an instance that has too
@@ -19,10 +20,6 @@ use crate::explore::search::explored::{Explored, Limits};
 use crate::explore::search::property::{self, Property};
 use crate::fragment::depth_of;
 use crate::scheme::Held;
-
-/// The conditions: every atomic is relaxed.
-const CONDITIONS: Conditions =
-    Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
 
 /// States of an instance: enough for two fragments of every method, and for three of most. A prediction takes seconds.
 pub const STATES: usize = 20_000;
@@ -88,14 +85,15 @@ impl Wrong<'_> {
     }
 }
 
-/// What devices may show of a method.
+/// What devices may show of a method whose twin is written in a language.
 #[must_use]
-pub fn predict(subject: &Subject) -> Prediction {
-    within(subject, STATES)
+pub fn predict(subject: &Subject, profile: Profile) -> Prediction {
+    within(subject, profile, STATES)
 }
 
 /// The same with at most so many states of an instance.
-fn within(subject: &Subject, states: usize) -> Prediction {
+fn within(subject: &Subject, profile: Profile, states: usize) -> Prediction {
+    let conditions = Conditions { memory: MemoryModel::Relaxed(profile), warp: None };
     let limits = Limits { states, cancelled: &|| false };
     let mut known = Prediction {
         expects: Expects::Unknown,
@@ -109,7 +107,7 @@ fn within(subject: &Subject, states: usize) -> Prediction {
         let all: Vec<(Litmus, Explored)> = of_size(subject, &family, n)
             .into_par_iter()
             .map(|litmus| {
-                let explored = explore(subject, &litmus, CONDITIONS, &limits);
+                let explored = explore(subject, &litmus, conditions, &limits);
                 (litmus, explored)
             })
             .collect();
@@ -125,7 +123,7 @@ fn within(subject: &Subject, states: usize) -> Prediction {
         };
         let right = all.iter().all(|(litmus, e)| has_right_depths(subject, litmus, e));
         if !right || known.token.is_none() {
-            let (token, message) = told(subject, &wrong);
+            let (token, message) = told(subject, conditions, &wrong);
             let expects = if right { Expects::EqualDepths } else { Expects::Loss };
             let steps = wrong.steps() as u64;
             known = Prediction { expects, fragments: n, token, steps, message };
@@ -139,11 +137,15 @@ fn within(subject: &Subject, states: usize) -> Prediction {
 }
 
 /// Its token, and what it shows.
-fn told(subject: &Subject, wrong: &Wrong<'_>) -> (Option<String>, String) {
+fn told(
+    subject: &Subject,
+    conditions: Conditions,
+    wrong: &Wrong<'_>,
+) -> (Option<String>, String) {
     let (property, litmus) = (wrong.property, wrong.litmus);
     let found = &wrong.explored.violations[&property];
     let schedule: [&[_]; 2] = [&found.schedule, &[]];
-    let (token, told) = witness(subject, property, litmus, CONDITIONS, schedule, &found.message);
+    let (token, told) = witness(subject, property, litmus, conditions, schedule, &found.message);
     (token, format!("{}: {told}", litmus.describe()))
 }
 
@@ -177,16 +179,17 @@ mod tests {
     use super::*;
     use crate::catalogue::Catalogue;
 
-    fn of(name: &str, states: usize) -> Prediction {
+    fn of(name: &str, profile: Profile, states: usize) -> Prediction {
         let method = Catalogue::default().find("test", name).expect("a method");
-        within(&Subject::new(method).expect("a scheme"), states)
+        within(&Subject::new(method).expect("a scheme"), profile, states)
     }
 
     /// Of three k-buffers that differ in how they are synchronised, three things are expected.
     #[test]
     fn results_decide_what_is_expected() {
         let found = ["kb-mdt64", "kb-mdt32", "kb", "ab-ll", "ab-ll@plain-head"]
-            .map(|name| of(name, STATES));
+            
+            .map(|name| of(name, Profile::Wgsl, STATES));
         let expects = found.each_ref().map(|one| one.expects);
         use Expects::{Equal, EqualDepths, Loss};
         assert_eq!(expects[..4], [Equal, EqualDepths, Loss, Equal], "{found:?}");
@@ -197,11 +200,19 @@ mod tests {
         assert_eq!(found[0].fragments, FRAGMENTS);
     }
 
+    /// A lock orders what its language lets it order.
+    #[test]
+    fn the_language_decides_too() {
+        let of = |profile| of("kplus-array", profile, STATES).expects;
+        let found = [Profile::Wgsl, Profile::Vulkan, Profile::Glsl].map(of);
+        assert_eq!(found, [Expects::Loss, Expects::Equal, Expects::Equal]);
+    }
+
     /// Too few states are no verdict, and are not counted as explored.
     #[test]
     fn what_was_not_explored_is_not_expected() {
-        assert_eq!(of("kb-mdt64", 1).expects, Expects::Unknown);
-        let some = of("kb-mdt64", 200);
+        assert_eq!(of("kb-mdt64", Profile::Wgsl, 1).expects, Expects::Unknown);
+        let some = of("kb-mdt64", Profile::Wgsl, 200);
         assert_eq!(some.expects, Expects::Equal);
         assert!((1..FRAGMENTS).contains(&some.fragments), "{some:?}");
     }

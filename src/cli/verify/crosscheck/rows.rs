@@ -8,7 +8,7 @@ use super::table::Table;
 use crate::cli::terminal::{say, wait};
 use crate::error::Result;
 use crate::exec::Method;
-use crate::explore::{Prediction, Subject, predict};
+use crate::explore::{Prediction, Profile, Subject, predict};
 use crate::gpu::check::crosscheck::Agreement;
 
 /// All rows so far.
@@ -57,7 +57,7 @@ impl<'a> Rows<'a> {
         if !self.expected.contains_key(name) {
             let subject = Subject::new(method)?;
             let message = format!("asking the checker about {name}");
-            let found = wait::during(self.quiet, &message, || predict(&subject));
+            let found = wait::during(self.quiet, &message, || predict(&subject, Profile::Wgsl));
             self.expected.insert(name, found);
         }
         Ok(())
