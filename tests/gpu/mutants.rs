@@ -72,7 +72,7 @@ fn conformance_finds_changed_twins() {
         mutant_in("depth-peel-dual", "parts/ends", "else if key == end", "else if key > end"),
         mutant("depth-peel-bucket", "atomicMax(", "atomicMin("),
         mutant("kplus-multi", "one_more(farthest), emitted", "farthest, emitted"),
-        mutant("kb-multi", "entry < key && is_first", "is_first"),
+        mutant("kb-multi", "nearer < K", "nearer <= K"),
         mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
     ];
     for opened in all("mutants") {
