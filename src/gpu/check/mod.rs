@@ -4,6 +4,7 @@ pub mod compare;
 pub mod conform;
 pub mod crosscheck;
 pub mod open;
+pub mod outcomes;
 pub mod race;
 mod seen;
 pub mod stress;
