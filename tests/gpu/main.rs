@@ -11,6 +11,7 @@ mod drivers;
 mod inputs;
 mod merging;
 mod mutants;
+mod outcomes;
 mod text;
 
 #[path = "../support/mod.rs"]

@@ -137,11 +137,7 @@ fn within(subject: &Subject, profile: Profile, states: usize) -> Prediction {
 }
 
 /// Its token, and what it shows.
-fn told(
-    subject: &Subject,
-    conditions: Conditions,
-    wrong: &Wrong<'_>,
-) -> (Option<String>, String) {
+fn told(subject: &Subject, conditions: Conditions, wrong: &Wrong<'_>) -> (Option<String>, String) {
     let (property, litmus) = (wrong.property, wrong.litmus);
     let found = &wrong.explored.violations[&property];
     let schedule: [&[_]; 2] = [&found.schedule, &[]];
@@ -188,7 +184,6 @@ mod tests {
     #[test]
     fn results_decide_what_is_expected() {
         let found = ["kb-mdt64", "kb-mdt32", "kb", "ab-ll", "ab-ll@plain-head"]
-            
             .map(|name| of(name, Profile::Wgsl, STATES));
         let expects = found.each_ref().map(|one| one.expects);
         use Expects::{Equal, EqualDepths, Loss};
