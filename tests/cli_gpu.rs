@@ -116,7 +116,19 @@ fn rows_name_their_adapters() {
     let two = dir.run("crosscheck cubes --size 40x24,24x40 -m ab-ll --path compute --json");
     let sizes: Vec<Value> = rows(&two).iter().map(|row| row["size"].clone()).collect();
     let [wide, high] = [serde_json::json!([40, 24]), serde_json::json!([24, 40])];
-    assert_eq!(sizes, [vec![wide; all.len()], vec![high; all.len()]].concat());
+    let both = all.iter().flat_map(|_| [wide.clone(), high.clone()]);
+    assert_eq!(sizes, both.collect::<Vec<_>>());
+    // In one process, scene by scene, the rows are the same.
+    let place = |row: &Value| {
+        let of = |field: &str| row[field].to_string();
+        ["adapter", "path", "method", "size"].map(of).join(" ")
+    };
+    let sorted = |run: &Run| {
+        let mut rows = rows(run);
+        rows.sort_by_key(place);
+        rows
+    };
+    assert_eq!(sorted(&dir.run(&format!("{line} --json --in-process"))), sorted(&run));
     let table = dir.run(&format!("{line} --path compute --order submission"));
     assert_eq!(table.code, 0, "{table:?}");
     for adapter in &all {
@@ -168,4 +180,25 @@ fn devices_are_timed_beside_the_simulator() {
         assert!(0.0 < low && low <= ratio && ratio <= high, "{row}");
         assert_eq!(row["fragments"], 4 * 64 * 64, "{row}");
     }
+}
+
+/// Litmus pixels have processes of their own, too, and say the same as in one.
+#[test]
+fn litmus_pixels_are_run_apart() {
+    let dir = Dir::new();
+    let all = adapters(&dir, "litmus pixels in processes of their own");
+    if all.is_empty() {
+        return;
+    }
+    let line = "crosscheck --litmus --repeats 1 -m ab-array --json";
+    let [apart, here] = ["", " --in-process"].map(|more| dir.run(&format!("{line}{more}")));
+    assert_eq!((apart.code, here.code), (0, 0), "{apart:?} {here:?}");
+    assert_eq!(apart.json()["conformance"], here.json()["conformance"]);
+    let runs = |run: &Run| {
+        let Value::Array(rows) = run.json()["stress"].clone() else { panic!("a list: {run:?}") };
+        let of = |row: &Value| ["adapter", "method", "runs", "possible"].map(|f| row[f].clone());
+        rows.iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(runs(&apart), runs(&here));
+    assert_eq!(runs(&apart).len(), all.len());
 }

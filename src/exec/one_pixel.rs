@@ -1,7 +1,5 @@
 //! One pixel of a method on memory of its own: its invocations one after another, in an order of the caller's choice.
 
-use std::cell::Cell;
-
 use super::Method;
 use super::drive::{Outcomes, Pipeline};
 use super::interpret::Interpreted;
@@ -68,8 +66,8 @@ impl OnePixel {
         let layout = self.instance.layout();
         let pixel = Owned::new(layout.per_pixel(), 1);
         let global = Shared::new(layout.per_frame(), 1);
-        let (next, counters) = (Cell::new(0), Counters::default());
-        let mem = Exclusive::new(&pixel, &global, &self.inputs, &counters).taking(Some(&next));
+        let counters = Counters::default();
+        let mem = Exclusive::new(&pixel, &global, &self.inputs, &counters);
         let mut outcomes = Vec::new();
         scheme.clear_frame(&mem);
         scheme.clear(&mem, 0..1);

@@ -1,7 +1,8 @@
 //! Contended threads: rasterizer threads hand packets over a queue to worker threads, which run store invocations on
 //! shared atomics. Packets of one tile go to any free worker, so workers meet on the same pixels.
 //!
-//! With N threads there are N workers and N / 2 rasterizers (at least one).
+//! With N threads there are N workers and N / 2 rasterizers (at least one). A worker takes the indices of pools for a
+//! message of packets at once ([`pool`](crate::memory::layout::pool)).
 
 use std::convert::Infallible;
 use std::sync::Mutex;
@@ -84,7 +85,7 @@ fn frame<O: Observer + Default>(
                     match pass.kind {
                         PassKind::Prepare | PassKind::Store => {
                             let pass = (number, pass.kind == PassKind::Store);
-                            stored = geometry_pass::<O>(scheme, pass, job, &shared);
+                            stored = geometry_pass::<O>(scheme, pass, (layout, job), &shared);
                         }
                         PassKind::Screen => {
                             each_tile(&|mem, tile| scheme.screen(&mem, number, pixels(tile)));
@@ -208,7 +209,7 @@ impl Stored {
 fn geometry_pass<O: Observer + Default>(
     scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
     pass: (usize, bool),
-    job: &Job<'_>,
+    (layout, job): (&Layout, &Job<'_>),
     shared: &SharedMemory<'_>,
 ) -> Stored {
     let grid = &job.front.grid;
@@ -230,8 +231,10 @@ fn geometry_pass<O: Observer + Default>(
             .map(|_| {
                 // Each has its own end of the queue: if all workers are gone, no rasterizer waits for one.
                 let (receiver, gone) = (receiver.clone(), &stored.gone);
-                let work =
-                    move |mem: Native<'_, O>| invoke(scheme, pass, job, &mem, &receiver, gone);
+                let work = move |mem: Native<'_, O>| {
+                    let ahead = if job.whole_pools { layout.ahead() } else { Vec::new() };
+                    invoke(scheme, pass, job, &mem.taking(&ahead), &receiver, gone)
+                };
                 scope.spawn(move || shared.with(work))
             })
             .collect();
@@ -316,7 +319,14 @@ fn invoke<O: Observer>(
     let mut batch = Batch::default();
     let mut outcomes: Outcomes = [Outcome::Kept; 64];
     let culls = job.culls(number);
-    for Sent { packet, ranks } in receiver.iter().flatten() {
+    // Ahead of a message, as many indices as it has fragments.
+    let fragments = |message: &[Sent]| message.iter().map(|s| s.packet.mask.count_ones()).sum();
+    let ahead = |message: &Vec<Sent>| {
+        if stores {
+            mem.take_ahead(fragments(message));
+        }
+    };
+    for Sent { packet, ranks } in receiver.iter().inspect(ahead).flatten() {
         let first = job.front.grid.first_pixel(packet);
         job.front.fragments(packet, job.record, first, &mut batch);
         if culls {

@@ -5,7 +5,6 @@
 //! its pixels' records, and its range of the pools, which then stays in the worker's cache. Otherwise every tile keeps
 //! its memory, and a pass ends for all tiles before the next begins.
 
-use std::cell::Cell;
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -19,7 +18,7 @@ use super::table::TableWords;
 use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
-use crate::memory::{Counters, Layout, Observer};
+use crate::memory::{Ahead, Counters, Layout, Observer};
 use crate::raster::Batch;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
@@ -79,8 +78,8 @@ struct Tile<O> {
     memory: Owned,
     /// The worker's own range of every pool: the range of one of its tiles.
     pool: Range<u64>,
-    /// The next index of that range, if there is one.
-    next: Option<Cell<u32>>,
+    /// What is left of that range, if there is one.
+    ahead: Vec<Ahead>,
     counts: PixelCounts,
     reports: Tally,
     /// What the pixels hold from all rounds so far, if there are several.
@@ -167,7 +166,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             index: 0,
             memory: Owned::new(self.layout.per_pixel(), pixels),
             pool: 0..0,
-            next: None,
+            ahead: Vec::new(),
             counts: PixelCounts::default(),
             reports: Tally::default(),
             collected: Vec::new(),
@@ -184,7 +183,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
     fn memory<'b>(&'b self, tile: &'b Tile<O>) -> Exclusive<'b, O> {
         Exclusive::new(&tile.memory, self.global, &self.job.inputs, &tile.observer)
             .from(self.first(tile))
-            .taking(tile.next.as_ref())
+            .taking(&tile.ahead)
     }
 
     /// Work on the frame's words, and give what was counted.
@@ -206,7 +205,11 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             if !self.job.whole_pools || after - before > tile.pool.end - tile.pool.start {
                 tile.pool = before..after;
             }
-            tile.next = Some(Cell::new(tile.pool.start as u32));
+            if tile.ahead.is_empty() {
+                tile.ahead = self.layout.ahead();
+            }
+            let count = (tile.pool.end - tile.pool.start) as u32;
+            tile.ahead.iter().for_each(|ahead| ahead.set(tile.pool.start as u32, count));
         }
         if self.job.contract.program.repeats {
             tile.collected.clear();
@@ -237,7 +240,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let culls = job.culls(number);
         let mem = Exclusive::new(&tile.memory, self.global, &job.inputs, &tile.observer)
             .from(first)
-            .taking(tile.next.as_ref());
+            .taking(&tile.ahead);
         let Tile { counts, reports, batch, .. } = tile;
         counts.reset(grid.pixels_per_tile());
         *reports = Tally::default();

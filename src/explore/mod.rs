@@ -24,6 +24,7 @@ pub use search::{Explored, Found, Limits, Progress, Property, Stopped, explore};
 pub use verdict::check::{check, inherit};
 pub use verdict::endings::termination;
 pub use verdict::plan::Plan;
+pub use verdict::predict::{Expects, Prediction, predict};
 pub use verdict::survey::{Survey, properties};
 pub use verdict::{Finding, Scope, Verdict};
 

@@ -5,13 +5,12 @@
 //! write the same cache line of a pool, or contend for its counter. Which fragment gets which index may then depend on
 //! the workers. What is kept does not, since such ranges are used only where pools have room for all.
 
-use std::cell::Cell;
 use std::future::{Future, ready};
 
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
 use super::{
-    Access, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool, Space,
-    Update, Word,
+    Access, Ahead, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool,
+    Space, Update, Word,
 };
 
 /// One worker's handle.
@@ -21,8 +20,8 @@ pub struct Exclusive<'a, O> {
     first: u32,
     pixel: OwnedView<'a>,
     global: SharedView<'a>,
-    /// The next index of the tile's own range of every pool.
-    next: Option<&'a Cell<u32>>,
+    /// The tile's own range of every pool.
+    ahead: &'a [Ahead],
     inputs: &'a Inputs,
     observer: &'a O,
 }
@@ -32,7 +31,7 @@ impl<'a, O: Observer> Exclusive<'a, O> {
     #[must_use]
     pub fn new(pixel: &'a Owned, global: &'a Shared, inputs: &'a Inputs, observer: &'a O) -> Self {
         let (pixel, global) = (pixel.view(), global.view());
-        Self { first: 0, pixel, global, next: None, inputs, observer }
+        Self { first: 0, pixel, global, ahead: &[], inputs, observer }
     }
 
     /// The same, with records that are those of pixel `first` and the next ones.
@@ -41,10 +40,10 @@ impl<'a, O: Observer> Exclusive<'a, O> {
         Self { first, ..self }
     }
 
-    /// The same, taking the indices of pools from `next` on, if there is one.
+    /// The same, taking the indices of pools from these.
     #[must_use]
-    pub fn taking(self, next: Option<&'a Cell<u32>>) -> Self {
-        Self { next, ..self }
+    pub fn taking(self, ahead: &'a [Ahead]) -> Self {
+        Self { ahead, ..self }
     }
 
     #[inline(always)]
@@ -103,8 +102,8 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
 
     #[inline(always)]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
-        let index = match self.next {
-            Some(next) => next.replace(next.get() + 1),
+        let index = match pool.of(self.ahead).and_then(Ahead::next) {
+            Some(index) => index,
             None => self.global.update(pool.counter(), Update::Add(1), Order::Relaxed),
         };
         self.observer.update(Update::Add(1u32), index);

@@ -31,7 +31,7 @@ pub use both::{Both, both};
 pub use count::{Counters, Observer};
 pub use inside::Inside;
 pub use layout::{
-    Address, At, Atomic, Declared, Global, Growing, Input, InputAt, Inputs, Kind, Layout,
+    Address, Ahead, At, Atomic, Declared, Global, Growing, Input, InputAt, Inputs, Kind, Layout,
     Numbering, Per, Pixel, Plain, Pool, Snapshot, Space, Words,
 };
 pub use perform::perform;
@@ -242,7 +242,7 @@ pub trait Memory {
     }
 
     /// Take a pool's next index: `atomicAdd` of 1 (or GLSL's `atomicCounterIncrement`). A memory that knows which
-    /// indices its invocations will need may hand them out without touching the counter.
+    /// indices its invocations will need may hand them out itself ([`layout::pool`]).
     #[inline(always)]
     #[track_caller]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {

@@ -11,7 +11,8 @@ use fragloom::scene::{Projection, Scene};
 use fragloom::scheme::approximate::Approximation;
 use fragloom::scheme::approximate::wboit::Weight;
 
-use super::drivers::{all, methods, mutant, turn, twin};
+use super::drivers::{all, methods, turn, twin};
+use super::mutants::mutant;
 use super::support::{scene, small_scenes};
 
 const METHODS: [&str; 4] = ["wboit", "mbt", "mlab", "stochastic"];

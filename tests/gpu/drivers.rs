@@ -1,6 +1,6 @@
 //! What drivers compute.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use fragloom::gpu::check::compare::compare;
 use fragloom::gpu::check::conform::{self, conform};
@@ -19,14 +19,18 @@ use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::{self, Twin, twins};
 use fragloom::scene::Scene;
 
-use super::merging::mutant_part;
+use super::mutants::mutant;
 use super::support::{contract, method, scene, small_scenes};
 
-/// Drivers on CPUs take all cores: one test at a time.
-static TURN: Mutex<()> = Mutex::new(());
+/// Drivers on CPUs take all cores, and what depends on time has them alone.
+static TURN: RwLock<()> = RwLock::new(());
 
-pub(super) fn turn() -> MutexGuard<'static, ()> {
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+pub(super) fn turn() -> RwLockReadGuard<'static, ()> {
+    TURN.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn alone() -> RwLockWriteGuard<'static, ()> {
+    TURN.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// All devices; or none, and a line that says so, unless they are demanded.
@@ -213,7 +217,7 @@ fn ties_may_be_confused_and_nothing_else() {
 /// failure.
 #[test]
 fn an_invocation_that_gives_up_waiting_is_run_again() {
-    let _turn = turn();
+    let _turn = alone();
     let second_time = "attempt < select(0u, PATIENCE, fragment.outcome == STUCK)";
     let late = mutant("kplus-array", "attempt < PATIENCE", second_time);
     let never = mutant("kplus-array", "attempt < PATIENCE", "attempt < 0u");
@@ -233,7 +237,7 @@ fn an_invocation_that_gives_up_waiting_is_run_again() {
             let shape = Shape::new(method, band.config(contract, None)).expect("a method");
             let constants = constants(&shape, record, picture.background);
             let program = Program::new(&opened.device, twin, shape, constants).expect("a program");
-            let triangles = Triangles::new(&band, record);
+            let triangles = Triangles::new(&band, record, true);
             let raster = Raster::new(&program, &band, &triangles).expect("triangles");
             let drawn = program.run(|function| raster.draw(function)).map(|()| program.again());
             assert_eq!(drawn, right);
@@ -269,56 +273,6 @@ fn twins_do_what_schemes_do() {
     }
 }
 
-/// A twin with one change.
-pub(super) fn mutant(method: &str, from: &str, to: &str) -> Twin {
-    let twin = twin(method);
-    let text = twin.text.replace(from, to);
-    assert_ne!(text, twin.text, "{method}: {from}");
-    Twin { text: text.leak(), ..twin }
-}
-
-#[test]
-fn conformance_finds_changed_twins() {
-    let _turn = turn();
-    let mutants = [
-        mutant("ab-ll", "nodes.links[node] = ", "nodes.links[0] = "),
-        mutant("ab-array", "return KEPT", "return CULLED"),
-        mutant("kplus-array", "array_append(pixel, count, key)", "put(pixel, count, key)"),
-        mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
-        mutant("kb", "is_less", "!is_less"),
-        mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
-        mutant("skb+ofm", "count -= 1u", "count -= 0u"),
-        mutant("skb+ofm", "< min(depth, own.depth)", "<= min(depth, own.depth)"),
-        mutant("skb+ofm", "first = second", "first = first"),
-        mutant("skb+ofm", "max(first, record.depth)", "first"),
-        mutant("dfb+ofm", "= fragment.extra", "= fragment.depth"),
-        mutant_part("skb+ofm", "words.x < words.y", "words.x > words.y"),
-        mutant("mlab", "   last = carried;", "   last = node;"),
-        mutant("mlab", "next.key.x), next.behind)", "next.key.x), no_light())"),
-        mutant("mlab", "return MERGED", "return KEPT"),
-        mutant("wboit", "* far * far", "* far"),
-        mutant("wboit", "PASSING: u32 = 4u", "PASSING: u32 = 3u"),
-        mutant("mbt", "power *= u", "power *= -u"),
-        mutant("mbt", "EMPTY", "0u"),
-        mutant("stochastic", "SAMPLES - i) < left", "SAMPLES) < left"),
-        mutant("stochastic", "Wide(i + 1u, 0u)", "Wide(i, 0u)"),
-        mutant("ha32", "age += 1u;\n    }\n    return AGE", "age += 2u;\n    }\n    return AGE"),
-    ];
-    for opened in all("mutants") {
-        for mutant in mutants {
-            let extent = conform::Extent { fragments: 3, programs: 30 };
-            let found = conform(&opened.device, mutant, extent).expect("a device");
-            if mutant.needs_atomics64() && !opened.device.atomics64 {
-                assert!(found.unsupported.is_some(), "{found:?}");
-                continue;
-            }
-            // One that sums the same group twice sums the only one there is.
-            let equivalent = mutant.method.name() == "s-buffer";
-            assert_eq!(found.difference.is_none(), equivalent, "{found:?}");
-        }
-    }
-}
-
 /// What comes out of copies that race is what interleavings can give; a lock that is not taken gives more.
 #[test]
 fn litmus_pixels_have_outcomes_of_interleavings() {
@@ -329,6 +283,10 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
             "kplus-array",
             "kb-ll",
             "kb",
+            "kb-ab-ll",
+            "ab-ll-bucket",
+            "kplus-multi",
+            "depth-peel",
             "ha32",
             "skb+ofm",
             "dfb+ofm",
@@ -430,7 +388,7 @@ fn a_finer_grid_than_the_device_has_is_seen() {
 /// 65,535 iterations, and come back.
 #[test]
 fn a_hang_is_survived() {
-    let _turn = turn();
+    let _turn = alone();
     let slow =
         "for (var i = 0u; i < 1000000000u; i++) { atomicAdd(&nodes.taken, i); }\n    let node";
     let twin = mutant("ab-ll", "let node", slow);

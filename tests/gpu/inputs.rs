@@ -102,7 +102,7 @@ fn a_twin_reads_its_inputs() {
     let method = Method::of::<Capped>();
     let extent = Extent { fragments: 3, programs: 24 };
     for opened in all("inputs") {
-        let twin = Twin { method, text: TEXT, instead: &[] };
+        let twin = Twin { method, text: TEXT };
         let found = conform(&opened.device, twin, extent).expect("a device");
         assert_eq!((&found.difference, &found.unsupported), (&None, &None), "{found:?}");
         assert!(found.steps > 100, "{found:?}");

@@ -10,6 +10,7 @@ mod approximate;
 mod drivers;
 mod inputs;
 mod merging;
+mod mutants;
 mod text;
 
 #[path = "../support/mod.rs"]

@@ -9,7 +9,8 @@ use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::Twin;
 use fragloom::scene::{Scene, Thickness};
 
-use super::drivers::{all, methods, mutant, turn, twin};
+use super::drivers::{all, methods, turn, twin};
+use super::mutants::mutant;
 use super::support::{scene, small_scenes};
 
 /// From surfaces to slabs that reach through the scene.

@@ -1,5 +1,6 @@
 //! What can be known of twins without a driver.
 
+use fragloom::catalogue::Catalogue;
 use fragloom::exec::Method;
 use fragloom::fragment::Data;
 use fragloom::gpu::twin::shape::{Shape, constants};
@@ -160,7 +161,7 @@ fn twins_define_the_passes_of_their_programs() {
         ] {
             assert_eq!(twin.defines(function), needed, "{}: {function}", twin.method);
         }
-        assert!(!contract.program.repeats, "{}: rounds have no twin", twin.method);
+        assert_eq!(twin.defines("again"), contract.program.repeats, "{}", twin.method);
     }
 }
 
@@ -169,10 +170,26 @@ fn contracts_say_how_wgsl_expresses_what_has_a_twin() {
     for twin in twins() {
         let contract = twin.method.contract();
         assert!(contract.wgsl.is_some(), "{}", twin.method);
-        let publishes = contract.base_name() == "kb-ll";
+        let publishes = ["kb-ll", "ab-ll-double"].contains(&contract.base_name());
         assert_eq!(contract.is_within_wgsl(), !(twin.locks() || publishes), "{}", twin.method);
     }
     assert!(source::twin(Method::EXACT).is_none());
+}
+
+/// A method without a twin is named in the documentation, with the reason.
+#[test]
+fn what_has_no_twin_is_documented() {
+    let page = include_str!("../../docs/gpu.md");
+    let table = page.split("These have no twin").nth(1).expect("the table");
+    let section = table.split("\n## ").next().expect("its section");
+    let named: Vec<&str> = section.lines().filter_map(|line| line.split('|').nth(1)).collect();
+    for method in Catalogue::built_in().promised() {
+        let name = method.name();
+        let listed = named.iter().any(|cell| cell.contains(&format!("`{name}`")));
+        if !name.contains('@') && method != Method::EXACT {
+            assert_eq!(listed, source::twin(method).is_none(), "{name}");
+        }
+    }
 }
 
 #[test]
@@ -183,6 +200,21 @@ fn a_file_is_included_once_and_unknown_ones_are_refused() {
     let wrong = Twin { text: "//# include shared/nothing\n", ..twin("ab-ll") };
     let error = wrong.module(&Default::default(), Path::Compute).expect_err("no such file");
     assert!(error.to_string().contains("shared/nothing"), "{error}");
+    let wrong = Twin { text: "//# replaces shared/nothing\n", ..twin("ab-ll") };
+    let error = wrong.module(&Default::default(), Path::Compute).expect_err("no such file");
+    assert!(error.to_string().contains("shared/nothing"), "{error}");
+}
+
+/// What replaces a part stands instead of it, wherever the part is included.
+#[test]
+fn a_part_is_replaced_by_what_follows() {
+    let [plain, heap] = ["kplus-sb", "kplus-sb@heap"].map(|name| modules(twin(name)).remove(0).1);
+    for (text, up_to) in [(plain, 16), (heap, 0)] {
+        assert_eq!(text.matches("const ARRAY_UP_TO").count(), 1);
+        assert!(text.contains(&format!("const ARRAY_UP_TO: u32 = {up_to}u;")));
+    }
+    assert!(twin("kplus-sb@heap").locks() && twin("kplus-sb@heap").waits());
+    assert!(!twin("kb-ab-ll").locks() && !twin("kb-ab-ll").waits());
 }
 
 #[test]

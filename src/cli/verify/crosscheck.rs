@@ -1,40 +1,37 @@
 //! `fragloom crosscheck`: the same schemes on wgpu, against the expected results.
+//!
+//! Every (adapter, path, method) runs in a process of its own ([`worker`]), which the first process watches ([`parent`]).
+//! Rows are printed and reported as they finish ([`rows`]).
 
+mod asked;
 mod litmus;
+mod parent;
+mod process;
+mod report;
+mod rows;
+mod table;
+mod tabulate;
+mod worker;
 
-use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use asked::{Settings, Subject};
+use report::Report;
+use rows::Rows;
+use table::{Table, status};
 
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
-use crate::cli::options::settings;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::gpu::check::compare::Differences;
-use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
+use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, blank, failed};
+use crate::gpu::check::double::Double;
 use crate::gpu::check::open;
-use crate::gpu::driver::device::Device;
+use crate::gpu::driver::device::AdapterName;
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::picture::Picture;
 use crate::gpu::twin::source::Twin;
-use crate::report::json;
-use crate::report::text::{Align, columns};
-use crate::scene::{self, Overrides, Scene, Thickness};
-
-/// Scenes that are compared if none is named.
-const SCENES: [&str; 9] = [
-    "synthetic:n=24",
-    "synthetic:n=40,tessellation=9,density=80",
-    "layers:count=12",
-    "hairball:strands=300",
-    "bottles",
-    "gears",
-    "cubes",
-    "stack:count=48",
-    "sphere:sides=96",
-];
-
-/// The size of `--quick`: not a multiple of anything.
-const QUICK: [u32; 2] = [157, 101];
+use crate::report::{files, json};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -94,6 +91,44 @@ pub(in crate::cli) struct Args {
     #[arg(long, conflicts_with = "sizes")]
     quick: bool,
 
+    /// Run everything in this process, scene by scene, and not each method, path and adapter in a process of its own: a
+    /// lost device or a crash then ends the run
+    #[arg(long)]
+    in_process: bool,
+
+    /// Seconds after which a submission that has not come back has hung, 1 to 3600
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, allow_negative_numbers = true)]
+    limit: u64,
+
+    /// Write every row to this file as it finishes, as lines of JSON
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["litmus", "resume"])]
+    report: Option<PathBuf>,
+
+    /// Go on where the run that wrote this report was cut: rows that it has are not run again
+    #[arg(long, value_name = "FILE", conflicts_with = "litmus")]
+    resume: Option<PathBuf>,
+
+    /// Run nothing; print what these reports say, as a page in Markdown
+    #[arg(long, value_name = "FILE,...", value_delimiter = ',', exclusive = true)]
+    tabulate: Vec<PathBuf>,
+
+    /// Be the process that runs one method on one path of this adapter
+    #[arg(long, hide = true, value_name = "NAME")]
+    worker: Option<String>,
+
+    /// As a worker: begin with this picture
+    #[arg(long, hide = true, value_name = "N", default_value_t = 0)]
+    from: usize,
+
+    /// Instead of adapters, a double that fails as it is told
+    #[arg(
+        long,
+        hide = true,
+        conflicts_with = "in_process",
+        value_name = "FAULT=METHOD/SCENE/PATH,..."
+    )]
+    test_double: Option<String>,
+
     #[command(flatten)]
     output: crate::cli::options::flags::Output,
 }
@@ -115,64 +150,77 @@ enum FragmentOrder {
 /// # Errors
 /// Wrong options or scenes, or there is no adapter.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    if !args.tabulate.is_empty() {
+        return tabulate::run(&args.tabulate);
+    }
+    if !(1..=3600).contains(&args.limit) {
+        return Err(Error::new("--limit", format!("is {}, and must be 1 to 3600", args.limit)));
+    }
     let options = options(catalogue, args)?;
     if args.litmus {
-        return litmus::run(args, &options);
+        return match &args.worker {
+            Some(name) => litmus::work(args, &options, name),
+            None => litmus::run(args, &options),
+        };
     }
-    let sizes = sizes(args)?;
-    let thickness = settings::thickness(args.thickness.as_deref())?;
-    let named: Vec<String> = match args.scenes.as_slice() {
-        [] => SCENES.map(str::to_owned).to_vec(),
-        named => named.to_vec(),
-    };
-    let load = |name: &String, &size: &Option<[u32; 2]>| {
-        scene::load(name, &Overrides { size, ..Overrides::default() })
-    };
-    // All are loaded first, so that unreadable files are reported before anything is drawn.
-    let scenes: Vec<Scene> = wait::during(args.output.quiet, "loading", || {
-        let all = named.iter().flat_map(|name| sizes.iter().map(move |size| (name, size)));
-        all.map(|(name, size)| load(name, size)).collect::<Result<_>>()
-    })?;
-    let devices = devices(args.adapter.as_deref())?;
-    let adapters: Vec<String> = devices.iter().map(|one| one.device.name.name.clone()).collect();
-    let mut rows = Vec::new();
-    for scene in &scenes {
-        let own = compare(args, scene, &devices, &options, thickness)?;
-        // Scene by scene: this can take a while.
-        if !args.output.json {
-            say::result(&lines(&own, &adapters))?;
-        }
-        rows.extend(own);
+    asked::thickness(args)?;
+    let subjects = asked::subjects(args)?;
+    if let Some(name) = &args.worker {
+        return worker::run(args, &options, &subjects, name);
     }
-    say::result(&if args.output.json {
-        json::document(&rows)?
+    let adapters = match &args.test_double {
+        Some(_) => vec![Double::adapter()],
+        None => open::names(args.adapter.as_deref())?,
+    };
+    let mut report = report(args, &subjects)?;
+    let planned = adapters.len() * options.paths.len() * options.twins.len() * subjects.len();
+    let table = Table::new(&adapters, &options, &subjects, planned);
+    let table = (!args.output.json).then_some(table);
+    let mut rows = Rows::new(planned, report.as_mut(), table, args.output.quiet)?;
+    if args.in_process {
+        here(args, &subjects, &options, &mut rows)?;
     } else {
-        summary(catalogue, &rows)
+        let units = parent::units(&adapters, &options);
+        parent::run(args, &subjects, &units, &mut rows)?;
+    }
+    finish(catalogue, args, &rows)
+}
+
+/// The report that rows are written to.
+fn report(args: &Args, subjects: &[Subject]) -> Result<Option<Report>> {
+    let outputs = [("--report", &args.report), ("--resume", &args.resume)];
+    let outputs: Vec<(&str, &PathBuf)> =
+        outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?))).collect();
+    let inputs: Vec<PathBuf> = subjects.iter().flat_map(|one| one.files.clone()).collect();
+    files::check_apart(&outputs, &inputs)?;
+    let settings = Settings::of(args);
+    match (&args.report, &args.resume) {
+        (Some(path), _) => Report::new(path, settings).map(Some),
+        (_, Some(path)) => Report::resume(path, settings).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// Say what was found.
+fn finish(catalogue: &Catalogue, args: &Args, rows: &Rows<'_>) -> Result<Verdict> {
+    let all = &rows.all;
+    say::result(&if args.output.json {
+        json::document(all)?
+    } else {
+        table::summary(catalogue, all) + &table::predictions(rows.expected())
     })?;
-    for row in rows.iter().filter(|row| row.is_finding) {
-        say::violation(&format!(
-            "{}: {} on {}, {} path: {}",
-            row.adapter, row.method, row.scene, row.path, row.reason
-        ));
+    for row in all.iter().filter(|row| row.is_finding) {
+        let Agreement { adapter, method, asked, path, status, reason, .. } = row;
+        let told = self::status(*status, reason);
+        say::violation(&format!("{adapter}: {method} on {asked}, {path} path: {told}"));
     }
     // An unsupported row does not count as a pass.
-    let compared = rows.iter().any(Agreement::is_compared);
+    let compared = all.iter().any(Agreement::is_compared);
     if !compared {
         say::violation("nothing was compared");
     }
-    let found = !compared || rows.iter().any(|row| row.is_finding);
+    let found = !compared || all.iter().any(|row| row.is_finding);
     Ok(if found { Verdict::Found } else { Verdict::Clean })
-}
-
-/// The sizes to draw every scene in; its own if none is given.
-fn sizes(args: &Args) -> Result<Vec<Option<[u32; 2]>>> {
-    if args.quick {
-        return Ok(vec![Some(QUICK)]);
-    }
-    if args.sizes.is_empty() {
-        return Ok(vec![None]);
-    }
-    args.sizes.iter().map(|text| crate::cli::options::values::size(text).map(Some)).collect()
 }
 
 /// The devices that take part; a warning names those that cannot.
@@ -208,176 +256,60 @@ fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     Ok(options)
 }
 
-fn status(status: Status, reason: &str) -> String {
-    let word = format!("{status:?}").to_lowercase();
-    if reason.is_empty() { word } else { format!("{word}: {reason}") }
-}
-
-/// A scene on all devices. Devices with the same sub-pixel precision share its set-up.
-fn compare(
-    args: &Args,
-    scene: &Scene,
-    devices: &[open::Opened],
-    options: &Options,
-    thickness: Thickness,
-) -> Result<Vec<Agreement>> {
-    let mut rows: Vec<Agreement> = Vec::new();
-    for bits in [8, 4] {
-        let own: Vec<&open::Opened> = devices.iter().filter(|d| d.bits() == bits).collect();
-        if own.is_empty() {
-            continue;
-        }
-        let quiet = args.output.quiet;
-        let message = format!("setting {} up", scene.name);
-        let picture =
-            wait::during(quiet, &message, || Picture::new(scene, bits).thick(scene, thickness));
-        for opened in own {
-            let message = format!("drawing {} on {}", scene.name, opened.device.name.name);
-            let device: &Device = &opened.device;
-            let allowed = opened.paths(options);
-            let draw = || crosscheck::run(device, scene, &picture, bits, &allowed);
-            rows.extend(wait::during(quiet, &message, draw));
-            if let Some(failure) = opened.no_raster(options) {
-                rows.extend(without_raster(scene, opened, options, bits, &failure));
+/// Everything in this process, picture by picture: devices of the same sub-pixel precision share its set-up.
+fn here(args: &Args, subjects: &[Subject], options: &Options, rows: &mut Rows<'_>) -> Result<()> {
+    let mut devices = devices(args.adapter.as_deref())?;
+    devices.iter_mut().for_each(|opened| opened.device.patience = args.limit);
+    options.twins.iter().try_for_each(|twin| rows.ask(twin.method))?;
+    let (quiet, thickness) = (args.output.quiet, asked::thickness(args)?);
+    for subject in subjects {
+        let scene = subject.load()?;
+        for bits in [8, 4] {
+            let own: Vec<&open::Opened> = devices.iter().filter(|d| d.bits() == bits).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let message = format!("setting {} up", subject.asked);
+            let picture = wait::during(quiet, &message, || {
+                Picture::new(&scene, bits).thick(&scene, thickness)
+            });
+            for opened in own {
+                let allowed = opened.paths(options);
+                let message = format!("drawing {} on {}", subject.asked, opened.device.name.name);
+                let draw = || crosscheck::run(&opened.device, &scene, &picture, bits, &allowed);
+                let mut own = wait::during(quiet, &message, draw);
+                if let Some(failure) = opened.no_raster(options) {
+                    let options = Options { paths: vec![Path::Raster], ..options.clone() };
+                    let name = &opened.device.name;
+                    own.extend(row_without(name, &options, subject, &failure));
+                }
+                for row in own {
+                    let row = Agreement { asked: subject.asked.clone(), ..row };
+                    if !rows.has(&row) {
+                        rows.add(row)?;
+                    }
+                }
             }
         }
     }
-    Ok(rows)
+    Ok(())
 }
 
-/// Rows for methods on a path that the device does not support.
-fn without_raster(
-    scene: &Scene,
-    opened: &open::Opened,
+/// Rows that the device cannot begin.
+fn row_without(
+    adapter: &AdapterName,
     options: &Options,
-    bits: u32,
+    subject: &Subject,
     failure: &Failure,
 ) -> Vec<Agreement> {
-    let name = opened.device.name.clone();
-    let (status, is_finding, reason) = crosscheck::failed(failure);
-    let row = |twin: &Twin| Agreement {
-        adapter: name.name.clone(),
-        driver: name.driver.clone(),
-        method: twin.method.name().to_owned(),
-        scene: scene.name.clone(),
-        size: scene.size,
-        path: Path::Raster,
-        sub_pixel_bits: bits,
-        differences: crate::gpu::check::compare::Differences::default(),
-        by_compute: 0,
-        repeated: 0,
+    let (status, is_finding, reason) = failed(failure);
+    let all = options.paths.iter().flat_map(|&path| options.twins.iter().map(move |t| (path, t)));
+    let row = |(path, twin): (Path, &Twin)| Agreement {
+        asked: subject.asked.clone(),
         status,
-        reason: reason.clone(),
         is_finding,
+        reason: reason.clone(),
+        ..blank(adapter, twin.method.name(), &subject.name, path, subject.size)
     };
-    options.twins.iter().map(row).collect()
-}
-
-/// A summary of what was compared: by adapter and path, and whether the result may depend on the schedule.
-fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
-    use Align::{Left, Right};
-    let heading = [
-        "adapter",
-        "driver",
-        "bits",
-        "path",
-        "methods",
-        "equal",
-        "different",
-        "unsupported",
-        "failed",
-        "fragments",
-        "coverage",
-        "depth",
-        "lists",
-        "pixels",
-        "not allowed",
-    ];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    let group = |row: &Agreement| {
-        let method = catalogue.find("-m", &row.method);
-        let fixed = method.is_ok_and(|method| method.contract().order_independent());
-        (row.adapter.clone(), row.driver.clone(), row.sub_pixel_bits, !fixed, row.path)
-    };
-    let mut groups: BTreeMap<_, Vec<&Agreement>> = BTreeMap::new();
-    for row in rows {
-        groups.entry(group(row)).or_default().push(row);
-    }
-    for ((adapter, driver, bits, varies, path), own) in groups {
-        let mut sum = Differences::default();
-        own.iter().for_each(|row| sum.add(&row.differences));
-        let with = |status| own.iter().filter(|row| row.status == status).count().to_string();
-        let methods = if varies { "that may vary" } else { "with one result" };
-        let mut line =
-            vec![adapter, driver, bits.to_string(), path.to_string(), methods.to_owned()];
-        line.extend(
-            [Status::Equal, Status::Different, Status::Unsupported, Status::Failed].map(with),
-        );
-        let compared = own.iter().any(|row| row.is_compared());
-        let findings = own.iter().filter(|row| row.is_finding).count();
-        let counts = [
-            sum.fragments,
-            sum.coverage_differences,
-            sum.depth_differences,
-            sum.list_differences,
-            sum.pixel_differences,
-        ];
-        line.extend(counts.map(|n| n.to_string()));
-        line.push(if compared { findings.to_string() } else { "nothing compared".to_owned() });
-        lines.push(line);
-    }
-    let mut align = vec![Left, Left, Right, Left, Left];
-    align.resize(heading.len(), Right);
-    format!("\n{}", columns(&align, &lines))
-}
-
-/// The first words of an adapter's name that distinguish it from the others: full names are long, and the summary has
-/// them.
-fn short<'a>(name: &'a str, all: &[String]) -> &'a str {
-    let ends = name.match_indices(' ').map(|(at, _)| at);
-    let is_own = |start: &&str| all.iter().filter(|other| other.starts_with(*start)).count() < 2;
-    ends.map(|end| &name[..end]).find(is_own).unwrap_or(name)
-}
-
-fn lines(rows: &[Agreement], adapters: &[String]) -> String {
-    let heading = [
-        "adapter",
-        "method",
-        "scene",
-        "size",
-        "path",
-        "fragments",
-        "coverage",
-        "depth",
-        "lists",
-        "pixels",
-        "status",
-    ];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    for row in rows {
-        let sum = &row.differences;
-        let by_compute = match row.by_compute {
-            0 => String::new(),
-            n => format!(" ({n} fragments by compute)"),
-        };
-        let repeated = match row.repeated {
-            0 => String::new(),
-            n => format!(" (invocations rerun after waiting for a lock: {n})"),
-        };
-        lines.push(vec![
-            short(&row.adapter, adapters).to_owned(),
-            row.method.clone(),
-            row.scene.clone(),
-            format!("{}x{}", row.size[0], row.size[1]),
-            row.path.to_string(),
-            sum.fragments.to_string(),
-            sum.coverage_differences.to_string(),
-            sum.depth_differences.to_string(),
-            sum.list_differences.to_string(),
-            sum.pixel_differences.to_string(),
-            status(row.status, &row.reason) + &by_compute + &repeated,
-        ]);
-    }
-    use Align::{Left, Right};
-    columns(&[Left, Left, Left, Right, Left, Right, Right, Right, Right, Right, Left], &lines)
+    all.map(row).collect()
 }

@@ -8,6 +8,7 @@ pub mod expect;
 mod laws;
 pub mod matrix;
 pub mod plan;
+pub mod predict;
 pub mod survey;
 
 use serde::{Deserialize, Serialize};

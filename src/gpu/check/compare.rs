@@ -1,6 +1,6 @@
 //! A device's results against the expected ones, pixel by pixel.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::exec::account::Judgement;
 use crate::fragment::{data_of, depth_of};
@@ -15,7 +15,7 @@ use crate::scheme::merging::components::Merged;
 use crate::scheme::merging::sums;
 
 /// How a device's result differs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Differences {
     /// Fragments compared, as generated.
     pub fragments: u64,

@@ -1,8 +1,11 @@
 //! Twin conformance: invocations of litmus pixels one at a time, in every order, on the device and in the simulator;
 //! after each, all words must be the same, and so must the invocation's outcome for its fragment. So a verdict about
-//! one holds for the other, as far as single invocations are concerned.
+//! one holds for the other, as far as single invocations are concerned. Where rounds are repeated, resolve is a step too:
+//! it prepares the next round.
 
-use serde::Serialize;
+use std::convert::Infallible;
+
+use serde::{Deserialize, Serialize};
 use wgpu::{BufferUsages, ShaderStages};
 
 use super::seen::{Judged, Seen, difference};
@@ -17,6 +20,7 @@ use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::program::{Bound, Dispatch, Group, Program, WRITABLE, group};
+use crate::gpu::twin::resolve::Resolve;
 use crate::gpu::twin::shape::{FRAGMENT, Shape, constants, words_of};
 use crate::gpu::twin::source::Twin;
 use crate::memory::Inputs;
@@ -28,13 +32,13 @@ use crate::raster::Record;
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
 use crate::scheme::program::PassKind;
-use crate::scheme::{Config, Outcome};
+use crate::scheme::{Config, HeldKind, Outcome};
 
 /// Room for a fragment in its buffer: the alignment that devices require of offsets.
 const SLOT: u64 = 256;
 
 /// What was compared on a device for one method.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conformance {
     /// The adapter.
     pub adapter: String,
@@ -79,11 +83,14 @@ enum Step {
     Screen(usize, u32),
     Frame(usize),
     Store(usize),
+    /// After so many rounds.
+    Resolve(u32),
 }
 
-fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
-    let of_part = |part: &Part| match *part {
+fn steps(contract: &Contract, order: &[usize], pixels: u32, part: Part, rounds: u32) -> Vec<Step> {
+    match part {
         Part::Clear => vec![Step::Clear],
+        Part::Resolve if contract.program.repeats => vec![Step::Resolve(rounds)],
         Part::Resolve => Vec::new(),
         Part::Pass(number) => match contract.program.passes[number].kind {
             PassKind::Prepare => order.iter().map(|&i| Step::Prepare(number, i)).collect(),
@@ -91,12 +98,13 @@ fn steps(contract: &Contract, order: &[usize], pixels: u32) -> Vec<Step> {
             PassKind::Frame => vec![Step::Frame(number)],
             PassKind::Store => order.iter().map(|&i| Step::Store(i)).collect(),
         },
-    };
-    Course::of(&contract.program).stages().iter().flatten().flat_map(of_part).collect()
+    }
 }
 
 /// Runs the steps in the simulator.
 struct Host<'a> {
+    contract: &'static Contract,
+    holds: HeldKind,
     instance: &'a dyn Instance,
     inputs: &'a Inputs,
     pixels: u32,
@@ -104,7 +112,8 @@ struct Host<'a> {
 }
 
 impl Host<'_> {
-    fn run(&self, steps: &[Step]) -> Vec<Seen> {
+    /// All steps with the fragments in this order, and what is seen after each.
+    fn run(&self, order: &[usize]) -> Vec<(Step, Seen)> {
         let (layout, pixels) = (self.instance.layout(), self.pixels);
         let interpreted = Interpreted { instance: self.instance, inputs: self.inputs };
         let scheme: &dyn for<'m> Pipeline<Exclusive<'m, ()>> = match self.instance.compiled() {
@@ -114,9 +123,10 @@ impl Host<'_> {
         let own = Owned::new(layout.per_pixel(), pixels as usize);
         let shared = Shared::new(layout.per_frame(), 1);
         let mem = Exclusive::new(&own, &shared, self.inputs, &());
-        let step = |step: &Step| {
-            let mut outcome = None;
-            match *step {
+        let (mut seen, mut rounds) = (Vec::new(), 0);
+        let mut step = |step: Step| {
+            let (mut outcome, mut again) = (None, false);
+            match step {
                 Step::Clear => {
                     scheme.clear_frame(&mem);
                     scheme.clear(&mem, 0..pixels);
@@ -129,12 +139,25 @@ impl Host<'_> {
                     scheme.store(&mem, &self.fragments[i..=i], &mut outcomes);
                     outcome = Some(outcomes[0] as u32);
                 }
+                Step::Resolve(_) => {
+                    let resolve = |pixel| scheme.resolve(&mem, pixel, &mut self.holds.empty());
+                    again = (0..pixels).fold(false, |again, pixel| resolve(pixel) | again);
+                }
             }
             let ((p32, p64), (f32, f64)) = (own.all(), shared.all());
             let words = [bytes(&p32), bytes(&p64), bytes(&f32), bytes(&f64)];
-            Seen { words, outcome }
+            seen.push((step, Seen { words, outcome }));
+            again
         };
-        steps.iter().map(step).collect()
+        let course = Course::of(&self.contract.program);
+        let walked = course.walk(|parts| {
+            let all = parts.iter().flat_map(|&p| steps(self.contract, order, pixels, p, rounds));
+            let again = all.fold(false, |again, one| step(one) | again);
+            rounds += u32::from(parts.contains(&Part::Resolve));
+            Ok::<bool, Infallible>(again)
+        });
+        let Ok(_) = walked;
+        seen
     }
 }
 
@@ -208,6 +231,8 @@ struct Bench<'a, 'd> {
     /// By pass and pixel.
     screens: Vec<Vec<Dispatch>>,
     frames: Vec<Option<Dispatch>>,
+    /// Where rounds are repeated. What pixels hold is not compared, so that their lists need no room.
+    resolve: Option<Resolve<'a, 'd>>,
 }
 
 /// The most fragments of a litmus pixel.
@@ -244,8 +269,11 @@ impl<'a, 'd> Bench<'a, 'd> {
             let frame = pass.kind == PassKind::Frame;
             frames.push(frame.then(|| program.frame_words(number)).transpose()?);
         }
+        let room = vec![0; pixels as usize + 1];
+        let resolve = twin.defines("again").then(|| Resolve::new(program, &[0; 256], &room));
         Ok(Self {
             program,
+            resolve: resolve.transpose()?,
             store: geometry("store_pass")?,
             prepare: twin.defines("prepare").then(|| geometry("prepare_pass")).transpose()?,
             clear,
@@ -260,12 +288,12 @@ impl<'a, 'd> Bench<'a, 'd> {
         let Shape { contract, config, ref inputs, .. } = self.program.shape;
         let fragments: Vec<Fragment> = litmus.fragments(contract).collect();
         let orders: Vec<Vec<usize>> = orders(fragments.len());
-        let runs: Vec<Vec<Step>> =
-            orders.iter().map(|order| steps(contract, order, litmus.pixels)).collect();
-        let Some(instance) = self.program.twin.method.instance(&config) else { return Ok(()) };
-        let (instance, pixels) = (&*instance, config.pixels);
-        let host = Host { instance, inputs, pixels, fragments: &fragments };
-        let right: Vec<Vec<Seen>> = runs.iter().map(|steps| host.run(steps)).collect();
+        let method = self.program.twin.method;
+        let Some(instance) = method.instance(&config) else { return Ok(()) };
+        let (instance, pixels, holds) = (&*instance, config.pixels, method.holds());
+        let host = Host { contract, holds, instance, inputs, pixels, fragments: &fragments };
+        let (runs, right): (Vec<Vec<Step>>, Vec<Vec<Seen>>) =
+            orders.iter().map(|order| host.run(order).into_iter().unzip()).unzip();
         let mut slots = vec![0u8; (SLOT * MOST) as usize];
         for (i, fragment) in fragments.iter().enumerate() {
             let at = i * SLOT as usize;
@@ -375,6 +403,11 @@ impl<'a, 'd> Bench<'a, 'd> {
                 }
             }
             Step::Store(i) => program.dispatch(encoder, &self.store, slot(i), 1),
+            Step::Resolve(before) => {
+                if let Some(resolve) = &self.resolve {
+                    resolve.encode(encoder, before);
+                }
+            }
         }
     }
 }

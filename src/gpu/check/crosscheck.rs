@@ -2,52 +2,28 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
+pub use super::backend::Path;
+use super::backend::{Backend, Job};
 use super::compare::{Differences, compare};
 use crate::error::{self, Error};
 use crate::exec::Method;
+use crate::explore::{Expects, Prediction};
 use crate::fragment::Data;
-use crate::gpu::driver::device::{AdapterName, Device};
+use crate::gpu::driver::device::AdapterName;
 use crate::gpu::driver::failure::{Failure, Result};
 use crate::gpu::twin::band::Band;
 use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::picture::Picture;
-use crate::gpu::twin::program::Program;
-use crate::gpu::twin::raster::{self, Raster, Triangles};
-use crate::gpu::twin::resolve::resolve;
-use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::{Twin, twin, twins};
 use crate::raster::Record;
 use crate::scene::Scene;
 use crate::scheme::Config;
 use crate::scheme::contract::{Contract, Keeps};
-use serde::Serialize;
-
-/// How fragments reach the store pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Path {
-    /// The device rasterizes; a fragment shader stores.
-    Raster,
-    /// The simulator's own fragments are uploaded; a compute shader stores.
-    Compute,
-}
-
-impl Path {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Raster, Self::Compute];
-}
-
-impl fmt::Display for Path {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Raster => "raster",
-            Self::Compute => "compute",
-        })
-    }
-}
 
 /// The result of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// No difference.
@@ -58,10 +34,34 @@ pub enum Status {
     Unsupported,
     /// The device began, and failed.
     Failed,
+    /// It did not come back in time.
+    Hung,
+    /// It is gone, or was given up before.
+    #[serde(rename = "device lost")]
+    Lost,
+}
+
+impl Status {
+    /// All.
+    pub const ALL: [Self; 6] =
+        [Self::Equal, Self::Different, Self::Unsupported, Self::Failed, Self::Hung, Self::Lost];
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Equal => "equal",
+            Self::Different => "different",
+            Self::Unsupported => "unsupported",
+            Self::Failed => "failed",
+            Self::Hung => "hung",
+            Self::Lost => "device lost",
+        })
+    }
 }
 
 /// One method on one device, over a whole scene.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Agreement {
     /// The adapter.
     pub adapter: String,
@@ -71,6 +71,8 @@ pub struct Agreement {
     pub method: String,
     /// The scene.
     pub scene: String,
+    /// How it was asked for: a file, or a built-in scene with its parameters.
+    pub asked: String,
     /// Pixels across and down.
     pub size: [u32; 2],
     /// How fragments reached the store pass.
@@ -88,12 +90,32 @@ pub struct Agreement {
     pub status: Status,
     /// The reason, or what equality does not prove.
     pub reason: String,
-    /// A difference that the method's contract does not allow, or a failure.
-    #[serde(skip)]
+    /// A difference that neither the method's contract nor, once it has been asked, the checker allows; or a failure.
+    #[serde(rename = "finding")]
     pub is_finding: bool,
+    /// What the checker expects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected: Option<Prediction>,
 }
 
 impl Agreement {
+    /// What the checker expects of the method; what it excludes is a finding, and what it allows is none.
+    #[must_use]
+    pub fn against(mut self, prediction: &Prediction) -> Self {
+        if self.status == Status::Different && self.is_finding {
+            let Differences { lost, duplicated, torn, .. } = self.differences;
+            let counts = format!("{lost} lost, {duplicated} duplicated, {torn} torn");
+            self.is_finding = prediction.expects != Expects::Loss;
+            self.reason = if self.is_finding {
+                format!("excluded by the checker: {counts}")
+            } else {
+                format!("as the checker expects, {counts}")
+            };
+        }
+        self.expected = Some(prediction.clone());
+        self
+    }
+
     /// Whether there was something to compare.
     #[must_use]
     pub fn is_compared(&self) -> bool {
@@ -141,7 +163,7 @@ pub fn record(contract: &Contract) -> Record {
 /// Draw a scene with every method on every path, and compare. If the device is lost, the remaining rows say so.
 ///
 pub fn run(
-    device: &Device,
+    device: &dyn Backend,
     scene: &Scene,
     picture: &Picture,
     sub_pixel_bits: u32,
@@ -152,6 +174,7 @@ pub fn run(
         let contract = twin.method.contract();
         runs.extend(options.paths.iter().map(|&path| BandRun {
             device,
+            scene,
             twin,
             contract,
             path,
@@ -167,12 +190,13 @@ pub fn run(
         runs.iter_mut().for_each(|run| run.band(&band));
     }
     let size = [picture.front.grid.width, picture.front.grid.height];
-    runs.iter().map(|run| run.row(&scene.name, size, sub_pixel_bits)).collect()
+    runs.iter().map(|run| run.row(size, sub_pixel_bits)).collect()
 }
 
 /// One method on one path, band by band.
 struct BandRun<'d> {
-    device: &'d Device,
+    device: &'d dyn Backend,
+    scene: &'d Scene,
     twin: Twin,
     contract: &'static Contract,
     path: Path,
@@ -213,46 +237,22 @@ impl BandRun<'_> {
         if self.device.is_lost() {
             return Err(Failure::Lost("by an earlier run; this one was not started".to_owned()));
         }
-        if self.path == Path::Raster {
-            raster::knows_fragments_of(self.contract)?;
-        }
+        self.device.can(self.twin, self.path)?;
         let record = record(self.contract);
-        let shape = Shape::new(self.twin.method, band.config(self.contract, self.k))?;
-        if self.twin.needs_atomics64() && !self.device.atomics64 {
-            return Err(Failure::Unsupported("no atomic operations on 64 bits".to_owned()));
-        }
-        shape.fits(self.device)?;
-        let constants = constants(&shape, record, band.picture.background);
-        let program = Program::new(self.device, self.twin, shape, constants)?;
-        let mut by_compute = 0;
-        match self.path {
-            Path::Compute => {
-                let fragments = band.stream(self.contract, record, self.shuffle);
-                program.run(|function| program.compute(function, &fragments))?;
-            }
-            Path::Raster => {
-                let triangles = Triangles::new(band, record);
-                let raster = Raster::new(&program, band, &triangles)?;
-                program.run(|function| raster.draw(function))?;
-                by_compute = triangles.rest.len() as u64;
-            }
-        }
         let expected = band.expected(self.twin.method, record, self.k);
-        let got = resolve(&program, &band.picture.palette, expected.starts())?;
-        let differences = compare(self.contract, self.k, &expected, &got);
-        Ok((differences, by_compute, program.again()))
+        let Self { twin, path, k, shuffle, .. } = *self;
+        let (scene, expected) = (self.scene.name.as_str(), &*expected);
+        let job = Job { twin, path, k, shuffle, record, scene, band, expected };
+        let drawn = self.device.draw(&job)?;
+        let differences = compare(self.contract, self.k, expected, &drawn.got);
+        Ok((differences, drawn.by_compute, drawn.repeated))
     }
 
-    fn row(&self, scene: &str, size: [u32; 2], sub_pixel_bits: u32) -> Agreement {
-        let AdapterName { name, driver, .. } = self.device.name.clone();
+    fn row(&self, size: [u32; 2], sub_pixel_bits: u32) -> Agreement {
+        let name = &self.scene.name;
+        let blank = blank(self.device.name(), self.contract.name, name, self.path, size);
         let (status, is_finding, reason) = self.verdict();
         Agreement {
-            adapter: name,
-            driver,
-            method: self.contract.name.to_owned(),
-            scene: scene.to_owned(),
-            size,
-            path: self.path,
             sub_pixel_bits,
             differences: self.sum,
             by_compute: self.by_compute,
@@ -260,6 +260,7 @@ impl BandRun<'_> {
             status,
             reason,
             is_finding,
+            ..blank
         }
     }
 
@@ -314,11 +315,41 @@ pub(super) fn holding(reasons: &[(bool, &str)]) -> String {
     holding.join("; ")
 }
 
+/// A row of which nothing is known yet.
+#[must_use]
+pub fn blank(
+    adapter: &AdapterName,
+    method: &str,
+    scene: &str,
+    path: Path,
+    size: [u32; 2],
+) -> Agreement {
+    Agreement {
+        adapter: adapter.name.clone(),
+        driver: adapter.driver.clone(),
+        method: method.to_owned(),
+        scene: scene.to_owned(),
+        asked: scene.to_owned(),
+        size,
+        path,
+        sub_pixel_bits: 0,
+        differences: Differences::default(),
+        by_compute: 0,
+        repeated: 0,
+        status: Status::Failed,
+        reason: String::new(),
+        is_finding: true,
+        expected: None,
+    }
+}
+
 /// The contents of a row whose run ended early: its status, whether it is a finding, and the reason.
 #[must_use]
 pub fn failed(failure: &Failure) -> (Status, bool, String) {
     match failure {
         Failure::Unsupported(why) => (Status::Unsupported, false, why.clone()),
+        Failure::TimedOut(_) => (Status::Hung, true, failure.to_string()),
+        Failure::Lost(why) => (Status::Lost, true, why.clone()),
         failure => (Status::Failed, true, failure.to_string()),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::check::crosscheck::{Options, Path};
-use crate::gpu::driver::device::{self, Device};
+use crate::gpu::driver::device::{self, AdapterName, Device};
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::raster;
 
@@ -60,13 +60,10 @@ pub struct Devices {
     pub refused: Vec<String>,
 }
 
-/// Open all adapters, or those whose name or driver contains `wanted`. Of adapters with the same name and driver, the
-/// second is called `NAME (2)`, and so on.
-///
-/// # Errors
-/// No adapter exists or none can be opened; the message says what would help.
-pub fn devices(wanted: Option<&str>) -> Result<Devices> {
-    let mut found = Devices::default();
+/// The adapters whose name or driver contains `wanted`, or all, by the names that they have here: of those with the same
+/// name and driver, the second is called `NAME (2)`, and so on.
+fn named(wanted: Option<&str>) -> Vec<(AdapterName, wgpu::Adapter)> {
+    let mut found = Vec::new();
     let mut names = Vec::new();
     for adapter in device::adapters() {
         let mut name = device::name(&adapter);
@@ -79,13 +76,52 @@ pub fn devices(wanted: Option<&str>) -> Result<Devices> {
         if same > 1 {
             name.name += &format!(" ({same})");
         }
-        match Device::open(&adapter) {
-            Ok(mut device) => {
-                device.name = name;
-                let measured = raster::sub_pixel_bits(&device);
-                found.opened.push(Opened { device, measured });
-            }
-            Err(failure) => found.refused.push(format!("{}: {failure}", name.name)),
+        found.push((name, adapter));
+    }
+    found
+}
+
+/// The names of the adapters that [`devices`] would open; none is opened.
+///
+/// # Errors
+/// No adapter exists; the message says what would help.
+pub fn names(wanted: Option<&str>) -> Result<Vec<AdapterName>> {
+    let names: Vec<AdapterName> = named(wanted).into_iter().map(|(name, _)| name).collect();
+    if names.is_empty() { Err(none(wanted)) } else { Ok(names) }
+}
+
+fn open(name: AdapterName, adapter: &wgpu::Adapter) -> std::result::Result<Opened, Failure> {
+    let mut device = Device::open(adapter)?;
+    device.name = name;
+    let measured = raster::sub_pixel_bits(&device);
+    Ok(Opened { device, measured })
+}
+
+/// Open the adapter that [`names`] gives this name and driver. Which of several equal ones is called `(2)` does not
+/// depend on which are wanted.
+///
+/// # Errors
+/// It refuses, or is not there any more.
+pub fn one(name: &str, driver: &str) -> std::result::Result<Opened, Failure> {
+    let is =
+        |(known, _): &(AdapterName, wgpu::Adapter)| known.name == name && known.driver == driver;
+    match named(None).into_iter().find(is) {
+        Some((name, adapter)) => open(name, &adapter),
+        None => Err(Failure::Lost("the adapter is not there any more".to_owned())),
+    }
+}
+
+/// Open all adapters, or those whose name or driver contains `wanted`.
+///
+/// # Errors
+/// No adapter exists or none can be opened; the message says what would help.
+pub fn devices(wanted: Option<&str>) -> Result<Devices> {
+    let mut found = Devices::default();
+    for (name, adapter) in named(wanted) {
+        let called = name.name.clone();
+        match open(name, &adapter) {
+            Ok(opened) => found.opened.push(opened),
+            Err(failure) => found.refused.push(format!("{called}: {failure}")),
         }
     }
     match (found.opened.is_empty(), found.refused.first()) {

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
@@ -16,7 +16,7 @@ use crate::gpu::twin::bounds::Bounds;
 use crate::gpu::twin::light::Simulator;
 use crate::gpu::twin::merged;
 use crate::gpu::twin::program::Program;
-use crate::gpu::twin::resolve::resolve;
+use crate::gpu::twin::resolve::draw;
 use crate::gpu::twin::shape::{Shape, constants};
 use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
@@ -54,7 +54,7 @@ impl Default for Extent {
 }
 
 /// The results of a method's litmus pixels on a device.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stressed {
     /// The adapter.
     pub adapter: String,
@@ -264,8 +264,8 @@ fn run(
             // The explorer tries both wherever a word is read that was never written.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
-            program.run(|function| program.compute(function, &fragments))?;
-            let got = resolve(program, &[0; 256], &starts)?;
+            let geometry = |function: &str| program.compute(function, &fragments);
+            let got = draw(program, &[0; 256], &starts, geometry)?;
             for pixel in 0..COPIES as usize {
                 let found = match &colors {
                     Some(colors) => colors.held(pixel as u32, got.pixel(pixel), tally),

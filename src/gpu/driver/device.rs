@@ -61,6 +61,8 @@ pub struct Device {
     pub limits: wgpu::Limits,
     /// How long a submission may take, in seconds.
     pub patience: u64,
+    /// Submissions that have come back: a sign of life.
+    pub submissions: Arc<Mutex<u64>>,
     pub(in crate::gpu) device: wgpu::Device,
     pub(in crate::gpu) queue: wgpu::Queue,
     failure: Arc<Mutex<Option<Failure>>>,
@@ -122,7 +124,8 @@ impl Device {
             }
         });
         let (name, patience) = (name(adapter), PATIENCE);
-        Ok(Self { name, atomics64, limits, patience, device, queue, failure })
+        let submissions = Arc::default();
+        Ok(Self { name, atomics64, limits, patience, submissions, device, queue, failure })
     }
 
     fn failure(&self) -> Option<Failure> {
@@ -217,7 +220,9 @@ impl Device {
     fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
         let timeout = Some(Duration::from_secs(self.patience));
         match self.device.poll(PollType::Wait { submission_index, timeout }) {
-            Ok(_) => {}
+            Ok(_) => {
+                *self.submissions.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+            }
             Err(wgpu::PollError::Timeout) => note(&self.failure, Failure::TimedOut(self.patience)),
             Err(error) => note(&self.failure, Failure::Invalid(error.to_string())),
         }

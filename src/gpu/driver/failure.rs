@@ -18,6 +18,9 @@ pub enum Failure {
     /// This many invocations gave up waiting for a lock, however often they were rerun.
     #[error("{0} invocations never got the lock that they waited for")]
     Stuck(u64),
+    /// Pixels ask for more rounds than any can have layers.
+    #[error("pixels ask for another round after {0}")]
+    Endless(u32),
     /// It is gone.
     #[error("device lost: {0}")]
     Lost(String),

@@ -51,7 +51,8 @@ enum Word {
     OfItself(u32),
     /// So many units of the first word.
     OfFirst(u32),
-    /// The twin does not compute it.
+    /// The twin does not compute it, or arrival decides it; the colour, which does not depend on that, shows whether it
+    /// is right.
     Left,
 }
 
@@ -101,6 +102,13 @@ impl Bounds {
             "mlab" => {
                 let settled = config.k.or(method.contract().default_k).map(|k| k as usize);
                 Self { words: Vec::new(), settled, color: Color::Same }
+            }
+            // Four sums, the lock and the counter; then the k nearest, in any order.
+            "hybrid" => {
+                let k = config.k.or(method.contract().default_k).unwrap_or_default();
+                let mut words = vec![Word::Same; 5];
+                words.extend((0..k).map(|_| Word::Left));
+                Self { words, settled: None, color: Color::Same }
             }
             _ => Self { words: Vec::new(), settled: None, color: Color::Same },
         }

@@ -21,8 +21,10 @@ use crate::scheme::program::PassKind;
 const WORKGROUP: u64 = 64;
 const ROW: u64 = 32_768;
 
-/// Fragments of one submission on the compute path.
-pub const CHUNK: usize = 1 << 20;
+/// Fragments of one submission on the compute path; and where invocations wait for each other: so few that all of them
+/// may give up before a watchdog ends the submission, and the device with it.
+const CHUNK: usize = 1 << 20;
+const WAITING_CHUNK: usize = 1 << 16;
 
 /// How often an invocation that gives up waiting is run.
 const PATIENCE: u32 = 1_000;
@@ -284,26 +286,46 @@ impl<'d> Program<'d> {
         self.device.submit(encoder)
     }
 
-    /// Run the method's course up to resolve, which the caller runs if it wants the results; `geometry` runs the passes
-    /// over fragments, by the function of the twin.
+    /// Run the method's course up to the first resolve, which the caller runs if it wants the results; `geometry` runs
+    /// the passes over fragments, by the function of the twin.
     ///
     /// # Errors
     /// Any error of the device.
-    pub fn run(&self, mut geometry: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    pub fn run(&self, geometry: impl FnMut(&str) -> Result<()>) -> Result<()> {
+        self.frame(geometry, |_| Ok(false)).map(drop)
+    }
+
+    /// Run the method's course. `resolve` resolves every pixel, is told how many rounds were before, and says whether a
+    /// pixel needs another one. Gives the number of rounds.
+    ///
+    /// # Errors
+    /// Any error of the device; or rounds without end.
+    pub fn frame(
+        &self,
+        mut geometry: impl FnMut(&str) -> Result<()>,
+        mut resolve: impl FnMut(u32) -> Result<bool>,
+    ) -> Result<u32> {
         let program = &self.shape.contract.program;
-        let part = |part: &Part| match *part {
-            Part::Clear => self.clear(),
-            Part::Resolve => Ok(()),
+        // A round finds a layer, or that there are none left.
+        let most = self.shape.config.max_depth_complexity.saturating_add(2);
+        let mut rounds = 0;
+        let mut part = |part: &Part| match *part {
+            Part::Clear => self.clear().map(|()| false),
+            Part::Resolve => {
+                let again = resolve(rounds)?;
+                rounds += 1;
+                if again && rounds == most { Err(Failure::Endless(rounds)) } else { Ok(again) }
+            }
             Part::Pass(number) => match program.passes[number].kind {
                 PassKind::Store => geometry("store"),
                 PassKind::Prepare => geometry("prepare"),
                 PassKind::Screen => self.screen_pass(number),
                 PassKind::Frame => self.frame_pass(number),
-            },
+            }
+            .map(|()| false),
         };
-        let mut part = part;
-        Course::of(program).walk(|parts| parts.iter().try_for_each(&mut part).map(|()| false))?;
-        Ok(())
+        Course::of(program)
+            .walk(|parts| parts.iter().try_fold(false, |again, one| Ok(part(one)? | again)))
     }
 
     /// A full-screen pass.
@@ -337,7 +359,8 @@ impl<'d> Program<'d> {
     /// # Errors
     /// Any error of the device; or an invocation that waits forever.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
-        fragments.chunks(CHUNK).try_for_each(|chunk| {
+        let chunk = if self.twin.waits() { WAITING_CHUNK } else { CHUNK };
+        fragments.chunks(chunk).try_for_each(|chunk| {
             self.invoke(function, chunk.iter().map(words_of).collect())?;
             Ok(())
         })

@@ -27,8 +27,9 @@ const VIEWPORT: i32 = 8_192;
 /// Fragments of one submission, about.
 const CHUNK: u64 = 1 << 22;
 
-/// Bytes for invocations that give up waiting in one submission: 52,428 fragments.
-const GIVEN_UP: u64 = 1 << 20;
+/// The same where invocations wait for each other: so few that all of them may give up before a watchdog ends the
+/// submission, and the device with it.
+const WAITING_CHUNK: u64 = 1 << 16;
 
 /// One instance, as `pass/raster.wgsl` has it.
 type Instance = [u32; 15];
@@ -39,6 +40,8 @@ pub struct Triangles {
     instances: Vec<Instance>,
     /// Which of them go into one submission.
     chunks: Vec<Range<u32>>,
+    /// The most fragments of a submission.
+    most: u64,
     /// Fragments of those primitives that take the compute path.
     pub rest: Vec<Fragment>,
 }
@@ -64,13 +67,14 @@ fn is_simple(polygon: &Polygon) -> bool {
 }
 
 impl Triangles {
-    /// The triangles of a band.
+    /// The triangles of a band, in small submissions if invocations wait for each other, and may wait for ever.
     #[must_use]
-    pub fn new(band: &Band<'_>, record: Record) -> Self {
+    pub fn new(band: &Band<'_>, record: Record, waits: bool) -> Self {
+        let chunk = if waits { WAITING_CHUNK } else { CHUNK };
         let front = &band.picture.front;
         let (window, center) = (band.window(), center(band));
         let (mut instances, mut chunks, mut rest) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut first, mut pixels) = (0u32, 0u64);
+        let (mut first, mut pixels, mut most) = (0u32, 0u64, 0u64);
         for (index, (primitive, outline)) in
             (0u32..).zip(front.primitives().iter().zip(front.outlines()))
         {
@@ -95,7 +99,8 @@ impl Triangles {
                 instances.push(words);
             }
             pixels += area.pixels();
-            if pixels >= CHUNK {
+            most = most.max(pixels);
+            if pixels >= chunk {
                 let end = instances.len() as u32;
                 chunks.push(first..end);
                 (first, pixels) = (end, 0);
@@ -105,7 +110,7 @@ impl Triangles {
         if first < end {
             chunks.push(first..end);
         }
-        Self { instances, chunks, rest: band.stream_of(record, false, rest) }
+        Self { instances, chunks, most, rest: band.stream_of(record, false, rest) }
     }
 }
 
@@ -159,7 +164,9 @@ impl<'a, 'd> Raster<'a, 'd> {
         }
         let target = target(device, band.grid.width, band.grid.height)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let given_up = device.buffer("given up", GIVEN_UP.min(device.largest()), usage)?;
+        let room = if program.twin.waits() { triangles.most.max(1) } else { 1 };
+        let given_up = 4 + FRAGMENT * room;
+        let given_up = device.buffer("given up", given_up.min(device.largest()), usage)?;
         let bound = Bound {
             binding: 0,
             buffer: &given_up,

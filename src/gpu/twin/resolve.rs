@@ -1,4 +1,4 @@
-//! Resolve on the device: gather, sort, composite; and the results.
+//! Resolve on the device: gather, sort, composite; and the results. In a program that repeats, each round adds to them.
 
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -35,7 +35,10 @@ pub struct Resolve<'a, 'd> {
     rays: wgpu::Buffer,
     lists: wgpu::Buffer,
     group: Group,
-    pass: Dispatch,
+    /// The pass; or, where rounds are repeated, that of the first and that of all others.
+    passes: Vec<Dispatch>,
+    /// Where rounds are repeated: a word that is not 0 if a pixel needs another one.
+    more: Option<wgpu::Buffer>,
     /// Where each pixel's places begin, and how many it has.
     rooms: Vec<(u32, u32)>,
     /// The bytes of all lists.
@@ -64,22 +67,61 @@ impl<'a, 'd> Resolve<'a, 'd> {
             kind,
             stages: ShaderStages::COMPUTE,
         };
-        let bound =
-            [seen(1, &rays, WRITABLE), seen(2, &lists, WRITABLE), seen(3, &palette, READABLE)];
+        let repeats = program.twin.defines("again");
+        let more = repeats.then(|| device.filled("more", &[0; 4], usage | BufferUsages::COPY_DST));
+        let more = more.transpose()?;
+        let mut bound =
+            vec![seen(1, &rays, WRITABLE), seen(2, &lists, WRITABLE), seen(3, &palette, READABLE)];
+        bound.extend(more.as_ref().map(|more| seen(4, more, WRITABLE)));
         let group = group(device, &bound)?;
-        let pass = program.pass("resolve_pass", Some(&group.layout), &[])?;
-        Ok(Self { program, rays, lists, group, pass, rooms, bytes })
+        let layout = Some(&group.layout);
+        let round = |number| program.pass("round_pass", layout, &[("ROUND", number)]);
+        let passes = if repeats {
+            vec![round(0.0)?, round(1.0)?]
+        } else {
+            vec![program.pass("resolve_pass", layout, &[])?]
+        };
+        Ok(Self { program, rays, lists, group, passes, more, rooms, bytes })
     }
 
-    /// Run it.
+    /// Run it, for a single round.
     ///
     /// # Errors
     /// Any error of the device.
     pub fn run(&self) -> Result<()> {
-        let mut encoder = self.program.device.encoder();
+        self.round(0).map(drop)
+    }
+
+    /// Run it in a round, with so many before, and say whether a pixel needs another one.
+    ///
+    /// # Errors
+    /// Any error of the device.
+    pub fn round(&self, before: u32) -> Result<bool> {
+        let device = self.program.device;
+        let mut encoder = device.encoder();
+        self.encode(&mut encoder, before);
+        device.submit(encoder)?;
+        let Some(more) = &self.more else { return Ok(false) };
+        let again = device.read(more, 4)?.iter().any(|&byte| byte != 0);
+        device.queue.write_buffer(more, 0, &[0; 4]);
+        Ok(again)
+    }
+
+    pub(in crate::gpu) fn encode(&self, encoder: &mut wgpu::CommandEncoder, before: u32) {
         let pixels = self.program.shape.config.pixels.into();
-        self.program.dispatch(&mut encoder, &self.pass, Some(&self.group.group), pixels);
-        self.program.device.submit(encoder)
+        let pass = self.passes.get(before as usize).or(self.passes.last());
+        if let Some(pass) = pass {
+            self.program.dispatch(encoder, pass, Some(&self.group.group), pixels);
+        }
+    }
+
+    /// Run a whole frame: the method's course with all its rounds. `geometry` runs the passes over fragments, by the
+    /// function of the twin.
+    ///
+    /// # Errors
+    /// Any error of the device; or rounds without end.
+    pub fn frame(&self, geometry: impl FnMut(&str) -> Result<()>) -> Result<u32> {
+        self.program.frame(geometry, |before| self.round(before))
     }
 
     /// Fetch the results.
@@ -101,7 +143,22 @@ impl<'a, 'd> Resolve<'a, 'd> {
     }
 }
 
-/// Resolve, sort and composite on the device, and fetch the results.
+/// Run a whole frame, and fetch the results.
+///
+/// # Errors
+/// Any error of the device; or rounds without end.
+pub fn draw(
+    program: &Program<'_>,
+    palette: &[u32],
+    starts: &[u32],
+    geometry: impl FnMut(&str) -> Result<()>,
+) -> Result<Downloaded> {
+    let resolve = Resolve::new(program, palette, starts)?;
+    resolve.frame(geometry)?;
+    resolve.fetch()
+}
+
+/// Resolve, sort and composite on the device, and fetch the results, after a single round.
 ///
 /// # Errors
 /// Any error of the device.

@@ -97,7 +97,9 @@ pub fn constants(shape: &Shape, record: Record, background: [u16; 3]) -> Constan
     let (grid, table) = (config.grid, config.table);
     let pixels = u64::from(config.pixels);
     let blocks = pixels.div_ceil(64).max(1);
-    let slots = config.k.unwrap_or(config.max_depth_complexity);
+    // Only what keeps the first k has no more slots than that.
+    let limited = config.k.filter(|_| shape.contract.keeps == Keeps::FirstArrivals);
+    let slots = limited.unwrap_or(config.max_depth_complexity);
     let [red, green, blue] = background.map(u64::from);
     let (mut constants, mut first) = (Constants::default(), 0);
     let tables = shape.inputs.tables(&shape.layout, config.pixels);

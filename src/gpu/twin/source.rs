@@ -1,8 +1,9 @@
 //! The WGSL text of a module: constants, the twin, and the entry points of its passes.
 //!
 //! One file per method, and shared parts by a plain include: a line `//# include NAME` is replaced by that file, once
-//! in a module. A mended form has its method's text with other parts, those of `reach/`. Which passes a twin has follows from the functions that it defines: each gets its entry point from
-//! `pass/`.
+//! in a module. A method that is another one but for a part includes that one's file, after a line `//# replaces NAME`:
+//! what follows the line takes the place of that part, which is then not included. Which passes a twin has follows from
+//! the functions that it defines: each gets its entry point from `pass/`.
 
 use std::fmt::Write;
 
@@ -17,8 +18,6 @@ pub struct Twin {
     pub method: Method,
     /// Its text, before includes.
     pub text: &'static str,
-    /// Files that are included instead of others: how a form differs from the form whose text it has.
-    pub instead: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! files {
@@ -30,28 +29,33 @@ macro_rules! files {
 /// The files that can be included.
 const FILES: &[(&str, &str)] = files! {
     "pass/clear" "pass/clear_frame" "pass/frame" "pass/number" "pass/prepare" "pass/prepare_raster" "pass/raster" "pass/resolve"
-    "pass/screen" "pass/store" "pass/store_raster"
+    "pass/round" "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
-    "shared/sort" "shared/wide" "shared/word64"
-    "parts/counted_down" "parts/list" "parts/lock" "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged"
-    "parts/ranges" "parts/table"
+    "shared/nearest" "shared/rays" "shared/sort" "shared/wide" "shared/word64"
+    "parts/alike" "parts/array_up_to" "parts/buckets" "parts/counted_down" "parts/ends" "parts/list" "parts/lock"
+    "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged" "parts/ranges" "parts/table"
+    "a_buffer/ab_array" "a_buffer/ab_ll" "a_buffer/s_buffer" "hash_table/ha64" "kplus_buffer/kplus_sb"
     "reach/frame_rows" "reach/frame_rows_atomic" "reach/frame_rows_updates" "reach/nodes" "reach/nodes_atomic"
     "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows"
     "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
+/// A form has its method's text, with `[this part, that one in its place]`.
 macro_rules! twins {
-    ($($method:literal $file:literal $([$from:literal $to:literal])*)*) => {
-        &[$(($method, include_str!(concat!("../wgsl/", $file, ".wgsl")), &[$(($from, $to)),*])),*]
+    ($($method:literal $file:literal $([$part:literal $other:literal])*)*) => {
+        &[$((
+            $method,
+            concat!(
+                $("//# replaces ", $part, "\n//# include ", $other, "\n",)*
+                include_str!(concat!("../wgsl/", $file, ".wgsl"))
+            ),
+        )),*]
     };
 }
 
-/// A twin by the name of its method: its text, and what is included instead of other files.
-type Named = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
-
 /// The built-in twins, in the catalogue's order.
-const TWINS: &[Named] = twins! {
+const TWINS: &[(&str, &str)] = twins! {
     "z-buffer" "k_buffer/z_buffer"
     "ab-array" "a_buffer/ab_array"
     "ab-ll" "a_buffer/ab_ll"
@@ -60,20 +64,35 @@ const TWINS: &[Named] = twins! {
     "kb" "k_buffer/kb"
     "kb-mdt32" "k_buffer/kb_mdt32"
     "kb-mdt64" "k_buffer/kb_mdt64"
+    "kb-ab-array" "k_buffer/kb_ab_array"
+    "kb-ab-ll" "k_buffer/kb_ab_ll"
+    "kb-ab-sb" "k_buffer/kb_ab_sb"
+    "kplus" "kplus_buffer/kplus"
     "ab-ll-paged" "a_buffer/ab_ll_paged"
+    "ab-ll-bucket" "a_buffer/ab_ll_bucket"
+    "ab-ll-double" "a_buffer/ab_ll_double"
     "kb-ll" "k_buffer/kb_ll"
     "kplus-array" "kplus_buffer/kplus_array"
     "kplus-heap" "kplus_buffer/kplus_heap"
     "kplus-sb" "kplus_buffer/kplus_sb"
+    "kplus-sb@heap" "kplus_buffer/kplus_sb_heap"
     "k-variable" "kplus_buffer/k_variable"
+    "depth-peel" "peeling/depth_peel"
+    "depth-peel-dual" "peeling/depth_peel_dual"
+    "depth-peel-bucket" "peeling/depth_peel_bucket"
+    "kplus-multi" "kplus_buffer/kplus_multi"
+    "kb-multi" "k_buffer/kb_multi"
     "ha64" "hash_table/ha64"
+    "ha64-multiset" "hash_table/ha64_multiset"
     "ha32" "hash_table/ha32"
+    "hash-coherent" "hash_table/hash_coherent"
     "occupancy" "culling/occupancy"
     "skb+ofm" "merging/skb_ofm"
     "dfb+ofm" "merging/dfb_ofm"
     "wboit" "approximate/wboit"
     "mbt" "approximate/mbt"
     "mlab" "approximate/mlab"
+    "hybrid" "approximate/hybrid"
     "stochastic" "approximate/stochastic"
     "ab-ll-paged@atomic" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_atomic"]
     "ab-ll-paged@rmw" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_updates"]
@@ -97,6 +116,7 @@ const ENTRIES: &[(&str, &str)] = &[
     ("frame", "pass/frame"),
     ("store", "pass/store"),
     ("resolve", "pass/resolve"),
+    ("again", "pass/round"),
 ];
 
 /// Those of the raster path.
@@ -107,8 +127,8 @@ const RASTER_ENTRIES: &[(&str, &str)] =
 #[must_use]
 pub fn twins() -> Vec<Twin> {
     let catalogue = Catalogue::built_in();
-    let twin = |&(name, text, instead): &Named| {
-        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text, instead })
+    let twin = |&(name, text): &(&str, &'static str)| {
+        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
     };
     TWINS.iter().filter_map(twin).collect()
 }
@@ -128,11 +148,23 @@ pub enum Path {
     Raster,
 }
 
+impl Path {
+    /// Attempts to take a lock before an invocation gives up: fewer than the 65,535 iterations after which some drivers
+    /// end any loop. On the compute path an invocation that has given up is rerun, and given up for good at last; the
+    /// raster path only has to be left.
+    fn patience(self) -> u64 {
+        match self {
+            Self::Compute => 1 << 15,
+            Self::Raster => 1 << 12,
+        }
+    }
+}
+
 impl Twin {
     /// Whether the twin defines a function.
     #[must_use]
     pub fn defines(&self, function: &str) -> bool {
-        self.text.contains(&format!("fn {function}("))
+        self.expanded().is_ok_and(|text| text.contains(&format!("fn {function}(")))
     }
 
     /// Whether it declares a binding of the first group.
@@ -145,13 +177,13 @@ impl Twin {
     /// Whether it waits for locks.
     #[must_use]
     pub fn locks(&self) -> bool {
-        self.text.contains("//# include parts/lock\n")
+        self.expanded().is_ok_and(|text| text.contains("const TAKEN"))
     }
 
     /// Whether its invocations may give up waiting, for a lock or for a compare-exchange, with nothing stored.
     #[must_use]
     pub fn waits(&self) -> bool {
-        self.text.contains("STUCK")
+        self.expanded().is_ok_and(|text| text.replace("const STUCK", "").contains("STUCK"))
     }
 
     /// Whether it needs atomic operations on 64 bits, which WGSL has only as an extension of naga's.
@@ -162,7 +194,7 @@ impl Twin {
 
     fn expanded(&self) -> Result<String> {
         let mut text = String::new();
-        self.include(self.text, &mut Vec::new(), &mut text)?;
+        include(self.text, &mut Vec::new(), &mut text)?;
         Ok(text)
     }
 
@@ -175,38 +207,47 @@ impl Twin {
             Path::Compute => ENTRIES,
             Path::Raster => RASTER_ENTRIES,
         };
-        let mut text = constants.text();
+        let mut text = constants.clone().with("PATIENCE", path.patience()).text();
         let mut seen = Vec::new();
-        self.include(self.text, &mut seen, &mut text)?;
+        include(self.text, &mut seen, &mut text)?;
         for (function, file) in entries {
             if self.defines(function) {
                 text.push('\n');
-                self.include(&format!("//# include {file}\n"), &mut seen, &mut text)?;
+                include(&format!("//# include {file}\n"), &mut seen, &mut text)?;
             }
         }
         Ok(text)
     }
+}
 
-    fn include(&self, from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
-        for line in from.lines() {
-            let Some(named) = line.strip_prefix("//# include ") else {
+/// The text of a file that can be included.
+fn known(name: &str) -> Result<&'static str> {
+    let file = FILES.iter().find(|(known, _)| *known == name);
+    let (_, text) =
+        file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
+    Ok(text)
+}
+
+fn include(from: &str, seen: &mut Vec<String>, into: &mut String) -> Result<()> {
+    for line in from.lines() {
+        if let Some(name) = line.strip_prefix("//# replaces ") {
+            known(name)?;
+            seen.push(name.to_owned());
+            continue;
+        }
+        match line.strip_prefix("//# include ") {
+            Some(name) if seen.iter().any(|one| one == name) => {}
+            Some(name) => {
+                seen.push(name.to_owned());
+                include(known(name)?, seen, into)?;
+            }
+            None => {
                 into.push_str(line);
                 into.push('\n');
-                continue;
-            };
-            let instead = self.instead.iter().find(|(from, _)| *from == named);
-            let name = instead.map_or(named, |(_, to)| to);
-            if seen.iter().any(|one| one == name) {
-                continue;
             }
-            let file = FILES.iter().find(|(known, _)| *known == name);
-            let (_, text) =
-                file.ok_or_else(|| Failure::Invalid(format!("there is no file {name}.wgsl")))?;
-            seen.push(name.to_owned());
-            self.include(text, seen, into)?;
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// Numbers that precede a twin as constants.

@@ -6,6 +6,7 @@
 
 pub mod address;
 pub mod inputs;
+pub mod pool;
 
 use std::marker::PhantomData;
 
@@ -13,6 +14,7 @@ use super::word::Word;
 
 pub use address::{Address, Numbering, Snapshot};
 pub use inputs::{Declared, Input, InputAt, Inputs, Per};
+pub use pool::{Ahead, Pool};
 
 /// Words that belong to a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -143,19 +145,6 @@ impl<S, K, W> Words<S, K, W> {
     }
 }
 
-/// A pool of the frame: a counter whose value is the next free index.
-#[derive(Clone, Copy, Debug)]
-pub struct Pool(Words<Global, Atomic, u32>);
-
-impl Pool {
-    /// The counter.
-    #[inline(always)]
-    #[must_use]
-    pub fn counter(self) -> At<Global, Atomic, u32> {
-        self.0.at(0)
-    }
-}
-
 /// Sizes of one space's two records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
@@ -205,18 +194,29 @@ impl Layout {
         Words::take(&mut self.global, count)
     }
 
-    /// Declare a pool from which every fragment takes at most one index.
+    /// Declare a pool from which every fragment takes at most one index, when it is stored. An index is a name: the
+    /// scheme compares it with the pool's size, and finds words by it ([`pool`]).
     pub fn pool(&mut self) -> Pool {
-        let pool = Pool(self.global(1));
-        self.pools.push(pool.0.first);
+        let pool = Pool { counter: self.global(1), number: self.pools.len() as u32 };
+        self.pools.push(pool.counter.first);
         pool
+    }
+
+    fn pools(&self) -> impl Iterator<Item = Pool> {
+        let counter = |&first| Words { first, count: 1, typed: PhantomData };
+        (0..).zip(&self.pools).map(move |(number, first)| Pool { counter: counter(first), number })
     }
 
     /// The pool whose counter is this 32-bit word of the frame.
     #[must_use]
     pub fn pool_at(&self, word: u64) -> Option<Pool> {
-        let words = Words { first: word, count: 1, typed: PhantomData };
-        self.pools.contains(&word).then_some(Pool(words))
+        self.pools().find(|pool| pool.counter.first == word)
+    }
+
+    /// What a worker takes ahead from every pool: nothing yet.
+    #[must_use]
+    pub fn ahead(&self) -> Vec<Ahead> {
+        self.pools().map(Ahead::none).collect()
     }
 
     /// Declare words that the application fills before the frame, and that no invocation writes.

@@ -51,6 +51,9 @@ const CONTRACT: Contract = Contract {
     section: "reconstructed",
     frame_words: "4F + 1",
     needs: "32-bit atomic add; atomic exchange with acquire and release",
+    wgsl: Some(
+        "storage buffers; the order of two writes to a node is outside WGSL's guarantees (relaxed atomics only)",
+    ),
     source: include_str!("ab_ll_double.rs"),
     ..super::linked("ab-ll-double")
 };

@@ -1,25 +1,27 @@
 //! `fragloom crosscheck --litmus`: litmus pixels on devices, one invocation at a time, and then many copies at once.
 
+use std::time::Duration;
+
+use super::process::{Line, Litmus, Process};
+use super::worker;
 use super::{Args, devices, status};
 use crate::cli::Verdict;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::gpu::check::conform::{self, Conformance};
+use crate::gpu::check::conform;
 use crate::gpu::check::crosscheck::Options;
-use crate::gpu::check::stress::{self, Stressed};
-use crate::gpu::driver::device::AdapterName;
+use crate::gpu::check::open;
+use crate::gpu::check::stress;
+use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::Failure;
+use crate::gpu::twin::source::Twin;
 use crate::report::json;
 use crate::report::text::{Align, columns};
 
-/// What `--litmus` prints.
-#[derive(Debug, Default, serde::Serialize)]
-struct Litmus {
-    conformance: Vec<Conformance>,
-    stress: Vec<Stressed>,
-}
+/// Seconds that litmus pixels are explored without a submission, at most, before their process is taken for dead.
+const EXPLORING: u64 = 900;
 
-/// Litmus pixels on every device.
+/// Litmus pixels on every device, each method in a process of its own.
 ///
 /// # Errors
 /// `--repeats 0`, or there is no adapter.
@@ -27,33 +29,38 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     if args.repeats == 0 {
         return Err(Error::new("--repeats", "is 0, but must be at least 1"));
     }
-    let devices = devices(args.adapter.as_deref())?;
-    let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
-    let mut all = Litmus::default();
-    let mut failures = Vec::new();
-    for opened in &devices {
-        let device = &opened.device;
-        for &twin in &options.twins {
-            let method = twin.method;
-            let message = format!("litmus pixels of {method} on {}", device.name.name);
-            let both = wait::during(args.output.quiet, &message, || {
-                let conformance = conform::conform(device, twin, conform::Extent::default())?;
-                Ok((conformance, stress::stress(device, twin, extent)?))
-            });
-            match both {
-                Ok((conformance, stressed)) => {
-                    all.conformance.push(conformance);
-                    all.stress.push(stressed);
-                }
-                Err(failure) => {
-                    let failure: Failure = failure;
-                    failures.push(format!("{}: {method}: {failure}", device.name.name));
-                }
+    let (mut all, mut failures) = (Litmus::default(), Vec::new());
+    let mut add = |adapter: &AdapterName, method: &str, ran: Ran| match ran {
+        Ok(ran) => {
+            all.conformance.extend(ran.conformance);
+            all.stress.extend(ran.stress);
+        }
+        Err(failure) => failures.push(format!("{}: {method}: {failure}", adapter.name)),
+    };
+    let names = if args.in_process {
+        let devices = devices(args.adapter.as_deref())?;
+        for opened in &devices {
+            for &twin in &options.twins {
+                let name = &opened.device.name;
+                let message = doing(name, twin);
+                let ran = || one(args, &opened.device, twin).map_err(|e| e.to_string());
+                add(name, twin.method.name(), wait::during(args.output.quiet, &message, ran));
             }
         }
-    }
-    let names = devices.iter().map(|opened| &opened.device.name);
-    let text = if args.output.json { json::document(&all)? } else { table(&all, names) };
+        devices.iter().map(|opened| opened.device.name.clone()).collect()
+    } else {
+        let names = open::names(args.adapter.as_deref())?;
+        for name in &names {
+            for &twin in &options.twins {
+                let ran = wait::during(args.output.quiet, &doing(name, twin), || {
+                    apart(args, name, twin)
+                })?;
+                add(name, twin.method.name(), ran);
+            }
+        }
+        names
+    };
+    let text = if args.output.json { json::document(&all)? } else { table(&all, names.iter()) };
     say::result(&text)?;
     let mut found = failures;
     found.extend(all.conformance.iter().filter_map(|row| {
@@ -68,6 +75,65 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     }
     found.iter().for_each(|line| say::violation(line));
     Ok(if found.is_empty() { Verdict::Clean } else { Verdict::Found })
+}
+
+/// What a method showed, or why it showed nothing.
+type Ran = std::result::Result<Litmus, String>;
+
+fn doing(adapter: &AdapterName, twin: Twin) -> String {
+    format!("litmus pixels of {} on {}", twin.method, adapter.name)
+}
+
+/// One method on one device.
+fn one(args: &Args, device: &Device, twin: Twin) -> std::result::Result<Litmus, Failure> {
+    let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
+    let conformance = vec![conform::conform(device, twin, conform::Extent::default())?];
+    Ok(Litmus { conformance, stress: vec![stress::stress(device, twin, extent)?] })
+}
+
+/// The same in a process of its own.
+///
+/// # Errors
+/// It cannot be started.
+fn apart(args: &Args, adapter: &AdapterName, twin: Twin) -> Result<Ran> {
+    let option = |name: &str, value: String| [name.to_owned(), value];
+    let mut arguments = vec!["crosscheck".to_owned(), "--litmus".to_owned()];
+    arguments.extend(option("--worker", worker::named(adapter)));
+    arguments.extend(option("--method", twin.method.name().to_owned()));
+    arguments.extend(option("--repeats", args.repeats.to_string()));
+    arguments.extend(option("--limit", args.limit.to_string()));
+    let mut process = Process::start(&arguments)?;
+    let silence = Duration::from_secs(2 * args.limit + EXPLORING);
+    loop {
+        match process.next(silence) {
+            Ok(Line::Litmus(found)) => return Ok(Ok(*found)),
+            Ok(Line::Refused(why)) => return Ok(Err(why)),
+            Ok(_) => {}
+            Err((status, why)) => return Ok(Err(format!("{status}: {why}"))),
+        }
+    }
+}
+
+/// Be such a process: the one method on the adapter of this name.
+///
+/// # Errors
+/// The name is none.
+pub(super) fn work(args: &Args, options: &Options, name: &str) -> Result<Verdict> {
+    let opened = match worker::open(args, name)? {
+        Ok(opened) => opened,
+        Err(failure) => {
+            worker::tell(&Line::Refused(failure.to_string()));
+            return Ok(Verdict::Clean);
+        }
+    };
+    for &twin in &options.twins {
+        worker::tell(&match one(args, &opened.device, twin) {
+            Ok(found) => Line::Litmus(Box::new(found)),
+            Err(failure) => Line::Refused(failure.to_string()),
+        });
+    }
+    // Nothing is dropped: that could wait for the device again.
+    std::process::exit(0)
 }
 
 fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> String {

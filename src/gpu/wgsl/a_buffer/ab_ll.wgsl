@@ -40,7 +40,8 @@ fn store(fragment: Fragment) -> u32 {
 
 fn resolve(pixel: u32) {
     var node = atomicLoad(&pixels[pixel].head);
-    while node != NONE {
+    // No list is longer: one that memory has made a ring of must not hold the device up.
+    for (var left = GENERATED; node != NONE && left > 0u; left--) {
         emit(keys[node]);
         node = nodes.links[node];
     }

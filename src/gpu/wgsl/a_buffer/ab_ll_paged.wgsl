@@ -86,7 +86,8 @@ fn store(fragment: Fragment) -> u32 {
 }
 
 fn resolve(pixel: u32) {
-    var left = settled_count(pixel);
+    // No pixel has more: a count that memory has made up must not hold the device up.
+    var left = min(settled_count(pixel), GENERATED);
     var page = settled_page(pixel);
     // Only the current page can be partly full.
     while left > 0u && page != NONE {

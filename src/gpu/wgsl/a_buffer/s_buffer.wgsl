@@ -48,7 +48,7 @@ fn frame(number: u32, index: u32) {
 fn store(fragment: Fragment) -> u32 {
     let index = atomicAdd(&pixels[fragment.pixel].counter, 1u);
     let record = range_of(fragment.pixel).start + index;
-    if record >= BOUNDED {
+    if record >= GENERATED {
         return POOL;
     }
     records[record] = key_of(fragment);
@@ -59,7 +59,7 @@ fn resolve(pixel: u32) {
     let count = atomicLoad(&pixels[pixel].counter);
     if count > 0u {
         let start = range_of(pixel).start;
-        for (var record = start; record < min(start + count, BOUNDED); record++) {
+        for (var record = start; record < min(start + count, GENERATED); record++) {
             emit(records[record]);
         }
     }

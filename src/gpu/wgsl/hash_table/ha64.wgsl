@@ -10,6 +10,7 @@
 
 //# include shared/fragment
 //# include parts/table
+//# include parts/alike
 //# include shared/emit
 
 // The largest depth of 24 bits.
@@ -54,7 +55,7 @@ fn store(fragment: Fragment) -> u32 {
         let record = pack(age, own);
         let cell = cell_of(place, age);
         let old = atomicMax(&cells[index_of(cell)], record);
-        if old == record {
+        if ONE_OF_ALIKE && old == record {
             return DUPLICATE;
         }
         if old < record {

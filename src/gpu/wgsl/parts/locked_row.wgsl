@@ -7,10 +7,8 @@
 //# include parts/ranges
 //# include parts/max_array
 //# include parts/max_heap
+//# include parts/array_up_to
 //# include reach/frame_rows
-
-// Up to this k, an array is faster than a heap.
-const ARRAY_UP_TO: u32 = 16u;
 
 fn append(range: Range, k: u32, count: u32, key: Key) {
     if range.flag && k > ARRAY_UP_TO {

@@ -1,0 +1,86 @@
+// k+-buffer with the published choice of structure (Vasilakis, Fudos 2014, section 3.2; K+B): a max-array for k <= 16
+// (as `kplus_array`), a max-heap above (as `kplus_heap`). What the lock needs is outside WGSL's guarantees: see
+// parts/lock.
+
+//# include shared/fragment
+//# include parts/lock
+//# include parts/max_array
+//# include parts/max_heap
+//# include parts/array_up_to
+//# include shared/emit
+
+struct Pixel {
+    lock: atomic<u32>,
+    counter: atomic<u32>,
+    depth: array<atomic<u32>, K>,
+    data: array<u32, K>,
+}
+
+@group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
+
+fn entry(pixel: u32, i: u32) -> Key {
+    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
+}
+
+fn put(pixel: u32, i: u32, key: Key) {
+    pixels[pixel].data[i] = key.x;
+    atomicStore(&pixels[pixel].depth[i], key.y);
+}
+
+fn clear(pixel: u32) {
+    atomicStore(&pixels[pixel].lock, FREE);
+    atomicStore(&pixels[pixel].counter, 0u);
+}
+
+fn append(pixel: u32, count: u32, key: Key) {
+    if K <= ARRAY_UP_TO {
+        array_append(pixel, count, key);
+    } else {
+        heap_append(pixel, count, key);
+    }
+}
+
+fn replace(pixel: u32, key: Key) {
+    if K <= ARRAY_UP_TO {
+        array_replace(pixel, K, key);
+    } else {
+        heap_replace(pixel, K, key);
+    }
+}
+
+// Under the lock.
+fn insert(pixel: u32, key: Key) -> u32 {
+    let count = atomicLoad(&pixels[pixel].counter);
+    if count < K {
+        append(pixel, count, key);
+        atomicStore(&pixels[pixel].counter, count + 1u);
+        return KEPT;
+    }
+    if !is_less(key, entry(pixel, 0u)) {
+        return CULLED;
+    }
+    replace(pixel, key);
+    return EVICTED;
+}
+
+fn store(fragment: Fragment) -> u32 {
+    let pixel = fragment.pixel;
+    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+        return CULLED;
+    }
+    var outcome = STUCK;
+    for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
+        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+            outcome = insert(pixel, key_of(fragment));
+            atomicStore(&pixels[pixel].lock, FREE);
+        }
+    }
+    return outcome;
+}
+
+fn resolve(pixel: u32) {
+    let count = atomicLoad(&pixels[pixel].counter);
+    for (var i = 0u; i < min(count, K); i++) {
+        emit(entry(pixel, i));
+    }
+}
