@@ -5,7 +5,7 @@ use std::future::Future;
 
 use fragloom::catalogue::{self, Catalogue};
 use fragloom::explore::{
-    Conditions, Family, Limits, MemoryModel, Profile, Property, Subject, Survey, Verdict,
+    Conditions, Family, Limits, Litmus, MemoryModel, Profile, Property, Subject, Survey, Verdict,
     properties,
 };
 use fragloom::memory::{Access, At, Atomic, Memory, Order, Space, Word};
@@ -32,7 +32,7 @@ const VERDICTS: &[(&str, u32, Verdict)] = &[
     ("ab-ll-paged@atomic", 2, Verdict::Violated),
     ("ab-ll-paged@rmw", 3, Verdict::Verified),
     ("kb-ll@atomic", 2, Verdict::Violated),
-    ("kb-ll@rmw", 3, Verdict::Verified),
+    ("kb-ll@rmw", 2, Verdict::Verified),
     ("kplus-array@atomic", 2, Verdict::Violated),
     ("kplus-array@rmw", 3, Verdict::Verified),
     ("kplus-array@word64", 3, Verdict::Verified),
@@ -63,7 +63,9 @@ fn each_form_has_its_verdict() {
         for property in properties(&survey.subject, survey.conditions.memory) {
             assert_eq!(survey.row(property).verdict, expected, "{:?}", survey.row(property));
         }
-        for (litmus, explored) in &survey.explored {
+        // Where the pool has room for all.
+        let roomy = |(l, _): &&(Litmus, _)| l.room as usize >= l.fragments.len();
+        for (litmus, explored) in survey.explored.iter().filter(roomy) {
             let k = litmus.k.map_or(usize::MAX, |k| k as usize);
             let exact = |pixel| litmus.generated(pixel).into_iter().take(k).collect::<Vec<_>>();
             let exact: Vec<Held> = (0..litmus.pixels).map(exact).map(Held::Keys).collect();

@@ -36,7 +36,8 @@ const FILES: &[(&str, &str)] = files! {
     "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged" "parts/ranges" "parts/table"
     "a_buffer/ab_array" "a_buffer/ab_ll" "a_buffer/s_buffer" "hash_table/ha64" "kplus_buffer/kplus_sb"
     "reach/frame_rows" "reach/frame_rows_atomic" "reach/frame_rows_updates" "reach/nodes" "reach/nodes_atomic"
-    "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows" "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
+    "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows"
+    "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 

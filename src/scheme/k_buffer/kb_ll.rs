@@ -145,6 +145,7 @@ impl<V: Variant> Scheme for KNearestList<V> {
         let (mut previous, mut nearer, mut own) = (NONE, 0, NONE);
         let _walk = mem.block();
         loop {
+            mem.here(&[previous.into(), nearer.into(), own.into()]);
             let step = mem.block();
             let next = if previous == NONE {
                 mem.load(head, V::Reach::ACQUIRE).await
