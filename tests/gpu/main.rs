@@ -11,6 +11,7 @@ mod drivers;
 mod inputs;
 mod merging;
 mod text;
+mod vulkan;
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -9,13 +9,14 @@ use crate::cli::Verdict;
 use crate::cli::options::settings;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::gpu::check::compare::Differences;
 use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, Status};
 use crate::gpu::check::open;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::picture::Picture;
-use crate::gpu::twin::source::Twin;
+use crate::gpu::twin::source::{Twin, twins};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene, Thickness};
@@ -63,6 +64,10 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_enum, value_name = "PATH")]
     path: Option<PathFlag>,
 
+    /// What twins become: WGSL, whose atomics are relaxed; or, of those that need acquire and release, SPIR-V that has them
+    #[arg(long, value_enum, value_name = "FORM", default_value = "wgsl")]
+    form: FormFlag,
+
     /// The order in which the compute path gets the fragments
     #[arg(long, value_enum, value_name = "ORDER", default_value = "shuffled")]
     order: FragmentOrder,
@@ -102,6 +107,12 @@ pub(in crate::cli) struct Args {
 enum PathFlag {
     Raster,
     Compute,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FormFlag {
+    Wgsl,
+    Vulkan,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -182,6 +193,16 @@ pub(in crate::cli) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>>
     Ok(found.opened)
 }
 
+fn no_order(method: Method) -> Error {
+    let have = twins().into_iter().filter_map(Twin::vulkan);
+    let have: Vec<&str> = have.map(|twin| twin.method.name()).collect();
+    let problem = format!(
+        "{method} orders nothing, so it has no Vulkan form; these have one: {}",
+        have.join(", ")
+    );
+    Error::new("--form", problem)
+}
+
 fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     let mut options = Options { k: args.k, ..Options::default() };
     if args.k == Some(0) {
@@ -190,6 +211,16 @@ fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     if !args.methods.is_empty() {
         let twin = |name: &String| crosscheck::find(catalogue.find("-m", name)?);
         options.twins = args.methods.iter().map(twin).collect::<Result<_>>()?;
+    }
+    if args.form == FormFlag::Vulkan {
+        let asked = std::mem::take(&mut options.twins);
+        for twin in asked {
+            match twin.vulkan() {
+                Some(twin) => options.twins.push(twin),
+                None if args.methods.is_empty() => {}
+                None => return Err(no_order(twin.method)),
+            }
+        }
     }
     if let Some(path) = args.path {
         options.paths = vec![match path {
@@ -258,7 +289,7 @@ fn without_raster(
     let row = |twin: &Twin| Agreement {
         adapter: name.name.clone(),
         driver: name.driver.clone(),
-        method: twin.method.name().to_owned(),
+        method: twin.name(),
         scene: scene.name.clone(),
         size: scene.size,
         path: Path::Raster,
@@ -295,7 +326,7 @@ fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     let group = |row: &Agreement| {
-        let method = catalogue.find("-m", &row.method);
+        let method = catalogue.find("-m", row.method.trim_end_matches("/vulkan"));
         let fixed = method.is_ok_and(|method| method.contract().order_independent());
         (row.adapter.clone(), row.driver.clone(), row.sub_pixel_bits, !fixed, row.path)
     };

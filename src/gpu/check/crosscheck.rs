@@ -249,7 +249,7 @@ impl BandRun<'_> {
         Agreement {
             adapter: name,
             driver,
-            method: self.contract.name.to_owned(),
+            method: self.twin.name(),
             scene: scene.to_owned(),
             size,
             path: self.path,
@@ -298,7 +298,7 @@ impl BandRun<'_> {
                 "proves nothing about races: a driver may draw a tile in order, on one thread",
             ),
             (racy && !raster, "this time; it races"),
-            (!racy && !self.contract.is_within_wgsl(), "not guaranteed by WGSL"),
+            (!racy && !self.twin.not_guaranteed().is_empty(), self.twin.not_guaranteed()),
             (self.contract.keeps == Keeps::Merged, "records without colours"),
             (!bounds.is_empty(), bounds),
             (sum.unsettled > 0, &unsettled),

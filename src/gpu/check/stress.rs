@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::crosscheck::{Status, holding};
 use crate::explore::program::instances::{Family, instances};
 use crate::explore::program::litmus::Litmus;
-use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
+use crate::explore::{self, Limits, MemoryModel, Subject};
 use crate::fragment::{Data, Fragment, depth_of};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
@@ -94,7 +94,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let mut sum = Stressed {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.name().to_owned(),
+        method: twin.name(),
         instances: 0,
         unexplored: 0,
         runs: 0,
@@ -140,7 +140,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let ran = program_for(&mut program, device, twin, copied(contract, &litmus))
             .and_then(|program| run(program, &litmus, extent, &mut tally));
         match ran {
-            Ok(others) => sum.explain(&subject, &litmus, &others),
+            Ok(others) => sum.explain(twin, &subject, &litmus, &others),
             Err(Failure::Unsupported(why)) => {
                 sum.status = Status::Unsupported;
                 sum.reason = why;
@@ -161,10 +161,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         sum.status = Status::Different;
         sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
     } else {
-        let guaranteed = contract.is_within_wgsl();
         let seen = sum.seen < sum.possible;
         let reasons = [
-            (!guaranteed, "not guaranteed by WGSL"),
+            (!twin.not_guaranteed().is_empty(), twin.not_guaranteed()),
             (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];
@@ -175,12 +174,18 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
 
 impl Stressed {
     /// Sort outcomes of no interleaving into those that relaxed memory allows, and the others.
-    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Held, u64>) {
+    fn explain(
+        &mut self,
+        twin: Twin,
+        subject: &Subject,
+        litmus: &Litmus,
+        others: &BTreeMap<Held, u64>,
+    ) {
         if others.is_empty() {
             return;
         }
         let conditions =
-            explore::Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
+            explore::Conditions { memory: MemoryModel::Relaxed(twin.profile()), warp: None };
         let limits = Limits { states: STATES, cancelled: &|| false };
         let explored = explore::explore(subject, litmus, conditions, &limits);
         for (held, &count) in others {

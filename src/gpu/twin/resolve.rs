@@ -67,7 +67,7 @@ impl<'a, 'd> Resolve<'a, 'd> {
         let bound =
             [seen(1, &rays, WRITABLE), seen(2, &lists, WRITABLE), seen(3, &palette, READABLE)];
         let group = group(device, &bound)?;
-        let pass = program.pass("resolve_pass", Some(&group.layout), &[])?;
+        let pass = program.pass("resolve_pass", Some(&group), &[])?;
         Ok(Self { program, rays, lists, group, pass, rooms, bytes })
     }
 

@@ -8,7 +8,9 @@ use std::fmt::Write;
 
 use crate::catalogue::Catalogue;
 use crate::exec::Method;
+use crate::explore::Profile;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::spirv::orders::Order;
 
 /// A method in WGSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +19,18 @@ pub struct Twin {
     pub method: Method,
     /// Its text, before includes.
     pub text: &'static str,
+    /// What becomes of its atomic operations.
+    pub form: Form,
+}
+
+/// What becomes of a twin's atomic operations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// They are relaxed, as WGSL has them.
+    #[default]
+    Wgsl,
+    /// Those that the method's source orders acquire or release, in SPIR-V.
+    Vulkan,
 }
 
 macro_rules! files {
@@ -89,7 +103,8 @@ const RASTER_ENTRIES: &[(&str, &str)] =
 pub fn twins() -> Vec<Twin> {
     let catalogue = Catalogue::built_in();
     let twin = |&(name, text): &(&str, &'static str)| {
-        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
+        let method = catalogue.find("WGSL", name).ok()?;
+        Some(Twin { method, text, form: Form::default() })
     };
     TWINS.iter().filter_map(twin).collect()
 }
@@ -110,6 +125,43 @@ pub enum Path {
 }
 
 impl Twin {
+    /// The method's name, and the form if it is not WGSL.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.form {
+            Form::Wgsl => self.method.name().to_owned(),
+            Form::Vulkan => format!("{}/vulkan", self.method),
+        }
+    }
+
+    /// Its Vulkan form; none if it asks for no order.
+    #[must_use]
+    pub fn vulkan(self) -> Option<Self> {
+        let asks =
+            |text: String| Order::ALL.iter().any(|o| text.contains(&format!("fn {}", o.prefix())));
+        self.expanded().is_ok_and(asks).then_some(Self { form: Form::Vulkan, ..self })
+    }
+
+    /// What nothing guarantees of it, if its method is no race; empty if all is.
+    #[must_use]
+    pub fn not_guaranteed(&self) -> &'static str {
+        match self.form {
+            _ if self.method.contract().is_within_wgsl() => "",
+            Form::Wgsl => "not guaranteed by WGSL",
+            Form::Vulkan if self.locks() => "nothing guarantees that a lock's holder goes on",
+            Form::Vulkan => "",
+        }
+    }
+
+    /// How the checker calls the memory that it runs on.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        match self.form {
+            Form::Wgsl => Profile::Wgsl,
+            Form::Vulkan => Profile::Vulkan,
+        }
+    }
+
     /// Whether the twin defines a function.
     #[must_use]
     pub fn defines(&self, function: &str) -> bool {

@@ -37,12 +37,22 @@ fn replace(range: Range, k: u32, key: Key) {
     }
 }
 
+// Read without the lock, before the farthest depth.
+fn acquire_count(pixel: u32) -> u32 {
+    return atomicLoad(&pixels[pixel].counter);
+}
+
+// Written after the record that it counts.
+fn release_count(pixel: u32, count: u32) {
+    atomicStore(&pixels[pixel].counter, count);
+}
+
 // Under the lock.
 fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
     let count = atomicLoad(&pixels[pixel].counter);
     if count < k {
         append(range, k, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
+        release_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(range.start, 0u)) {
