@@ -13,6 +13,7 @@ mod merging;
 mod mutants;
 mod outcomes;
 mod text;
+mod vulkan;
 
 #[path = "../support/mod.rs"]
 mod support;

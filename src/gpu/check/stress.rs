@@ -97,7 +97,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let mut sum = Stressed {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.name().to_owned(),
+        method: twin.name(),
         instances: 0,
         unexplored: 0,
         runs: 0,
@@ -166,10 +166,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         sum.status = Status::Different;
         sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
     } else {
-        let guaranteed = contract.is_within_wgsl();
         let seen = sum.seen < sum.possible;
         let reasons = [
-            (!guaranteed, "not guaranteed by WGSL"),
+            (!twin.not_guaranteed().is_empty(), twin.not_guaranteed()),
             (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];

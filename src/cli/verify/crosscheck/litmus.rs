@@ -44,7 +44,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
                 let name = &opened.device.name;
                 let message = doing(name, twin);
                 let ran = || one(args, &opened.device, twin).map_err(|e| e.to_string());
-                add(name, twin.method.name(), wait::during(args.output.quiet, &message, ran));
+                add(name, &twin.name(), wait::during(args.output.quiet, &message, ran));
             }
         }
         devices.iter().map(|opened| opened.device.name.clone()).collect()
@@ -55,7 +55,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
                 let ran = wait::during(args.output.quiet, &doing(name, twin), || {
                     apart(args, name, twin)
                 })?;
-                add(name, twin.method.name(), ran);
+                add(name, &twin.name(), ran);
             }
         }
         names
@@ -81,7 +81,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
 type Ran = std::result::Result<Litmus, String>;
 
 fn doing(adapter: &AdapterName, twin: Twin) -> String {
-    format!("litmus pixels of {} on {}", twin.method, adapter.name)
+    format!("litmus pixels of {} on {}", twin.name(), adapter.name)
 }
 
 /// One method on one device.
@@ -100,6 +100,7 @@ fn apart(args: &Args, adapter: &AdapterName, twin: Twin) -> Result<Ran> {
     let mut arguments = vec!["crosscheck".to_owned(), "--litmus".to_owned()];
     arguments.extend(option("--worker", worker::named(adapter)));
     arguments.extend(option("--method", twin.method.name().to_owned()));
+    arguments.extend(option("--form", args.form.name().to_owned()));
     arguments.extend(option("--repeats", args.repeats.to_string()));
     arguments.extend(option("--limit", args.limit.to_string()));
     let mut process = Process::start(&arguments)?;
