@@ -124,7 +124,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
         let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
-        let length = (range.end - range.start) as usize;
+        let length = range.end.saturating_sub(range.start) as usize;
         for record in range {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
