@@ -215,9 +215,9 @@ fn both_orders_must_be_there() {
     }
 }
 
-/// Whether a driver can be held to its results where operations are ordered. Lavapipe of Mesa 22.3 loses fragments in
-/// compute shaders then: on one thread too, with the orders alone or the barriers alone, and not without both. Khronos'
-/// validator finds no fault in the SPIR-V.
+/// Whether a driver can be held to its results where operations are ordered. In compute shaders, lavapipe of Mesa 22.3
+/// then leaves out what invocations do later, also those that run alone: with the orders only, with the barriers only,
+/// and not without both. Khronos' validator finds no fault in the SPIR-V.
 fn keeps_orders(opened: &Opened) -> bool {
     opened.device.spirv && !opened.device.name.name.contains("llvmpipe")
 }
@@ -238,7 +238,9 @@ fn invocations_do_the_same_in_both_forms() {
             let found = conform(&opened.device, twin, extent).expect("a device");
             assert_eq!(found.method, twin.name());
             assert_eq!(found.unsupported.is_none(), opened.device.spirv, "{found:?}");
-            assert_eq!(found.difference, None, "{found:?}");
+            if keeps_orders(&opened) {
+                assert_eq!(found.difference, None, "{found:?}");
+            }
             assert!(found.steps > 50 || !opened.device.spirv, "{found:?}");
         }
         let wrong =
