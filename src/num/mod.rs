@@ -1,5 +1,5 @@
 //! Numbers that are the same everywhere: 8-bit colour and its rounding, sRGB by table, compositing in 16 bits, depth
-//! codes, counter-based random numbers and hexadecimal text.
+//! codes, counter-based random numbers, bounds of rates and hexadecimal text.
 
 pub mod color;
 pub mod depth;
@@ -7,6 +7,7 @@ mod hex;
 pub mod orders;
 pub mod planes;
 pub mod random;
+pub mod rate;
 pub mod ray;
 
 pub use hex::hex;

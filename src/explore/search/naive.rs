@@ -233,14 +233,7 @@ mod tests {
         let limits = Limits { states: 1_000_000, cancelled: &|| false };
         let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
         let family = Family { fragments: 2, ks: vec![1], helpers: 0 };
-        for name in [
-            "ab-array@M14",
-            "ab-ll@M14",
-            "ab-ll-paged@M14",
-            "ab-ll-bucket@M16",
-            "ab-ll-bucket@M17",
-            "s-buffer@M14",
-        ] {
+        for name in ["ab-array@M14", "ab-ll@M14"] {
             let method = Catalogue::built_in().find("METHOD", name).expect("a fault");
             let subject = Subject::new(method).expect("a scheme");
             let mut compared = 0;

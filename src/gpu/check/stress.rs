@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::crosscheck::{Status, holding};
 use super::outcomes::{self, Class, Outcome, Possible};
+use crate::exec::clock::Stopwatch;
 use crate::explore::Subject;
 use crate::explore::program::litmus::Litmus;
 use crate::fragment::{Data, Fragment, depth_of};
@@ -23,6 +24,7 @@ use crate::gpu::twin::source::Twin;
 use crate::num::depth::Format;
 use crate::num::planes::Distances;
 use crate::num::random::Random;
+use crate::num::rate;
 use crate::raster::{Grid, Record};
 use crate::scheme::contract::{Contract, Extra};
 use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
@@ -36,6 +38,10 @@ const GRID: Grid = Grid { width: 64, height: 64, tile: 16 };
 
 /// Room for what a pixel emits, for each of its fragments: a race may emit some several times.
 const ROOM: u32 = 4;
+
+/// What time is spent on: copies that run, and all else.
+const RUNS: &str = "runs";
+const BESIDES: &str = "besides";
 
 /// How much to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +61,7 @@ impl Default for Extent {
 }
 
 /// The results of a method's litmus pixels on a device.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stressed {
     /// The adapter.
     pub adapter: String,
@@ -79,6 +85,10 @@ pub struct Stressed {
     pub relaxed: u64,
     /// Runs whose outcome no explored execution explains.
     pub outside: u64,
+    /// Copies run in a second, compiling and exploring left out. Reported only.
+    pub runs_per_second: f64,
+    /// An upper bound, at 95 %, of the rate of runs of these last two kinds: not seen is not never.
+    pub rate_at_most: f64,
     /// The outcomes of these last two kinds, one by one.
     pub outcomes: Vec<Outcome>,
     /// Equal if all runs had the outcome of an interleaving.
@@ -106,11 +116,14 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         sequential: 0,
         relaxed: 0,
         outside: 0,
+        runs_per_second: 0.0,
+        rate_at_most: 1.0,
         outcomes: Vec::new(),
         status: Status::Equal,
         reason: String::new(),
     };
     let (mut known, mut program) = (BTreeSet::new(), None);
+    let mut watch = Stopwatch::start();
     let all = outcomes::copied(&subject, extent.fragments);
     let step = all.len().div_ceil(extent.instances.max(1)).max(1);
     for litmus in all.into_iter().step_by(step) {
@@ -133,8 +146,13 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
             known.insert(litmus.fragments.clone());
         }
         sum.possible += tally.len() as u64;
-        let ran = program_for(&mut program, device, twin, copied(contract, &litmus))
-            .and_then(|program| run(program, &litmus, extent, &mut tally));
+        let ran = program_for(&mut program, device, twin, copied(contract, &litmus)).and_then(
+            |program| {
+                watch.lap(BESIDES);
+                run(program, &litmus, extent, &mut tally)
+            },
+        );
+        watch.lap(RUNS);
         match ran {
             Ok(others) => {
                 for ((held, beyond), runs) in others {
@@ -155,6 +173,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     }
     sum.relaxed = sum.of(Class::Relaxed).map(|outcome| outcome.runs).sum();
     sum.outside = sum.of(Class::Outside).map(|outcome| outcome.runs).sum();
+    sum.rate_at_most = rate::at_most(sum.relaxed + sum.outside, sum.runs);
+    let seconds = watch.seconds().get(RUNS).copied().unwrap_or_default();
+    sum.runs_per_second = if seconds > 0.0 { sum.runs as f64 / seconds } else { 0.0 };
     let first = sum.of(Class::Outside).next().cloned();
     if let Some(first) = first {
         let more = if first.complete { "" } else { " (relaxed memory: not all explored)" };

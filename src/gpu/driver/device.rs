@@ -11,7 +11,6 @@ use serde::Serialize;
 use wgpu::{BufferUsages, Features, PollType};
 
 use super::failure::{Failure, Result};
-use super::passthrough::takes_spirv;
 
 /// How long a submission may take by default, in seconds.
 pub const PATIENCE: u64 = 120;
@@ -49,6 +48,12 @@ pub fn name(adapter: &wgpu::Adapter) -> AdapterName {
         backend: info.backend.to_string(),
         kind: format!("{:?}", info.device_type),
     }
+}
+
+/// Whether an adapter takes SPIR-V. Others take other languages without wgpu's checks.
+fn takes_spirv(adapter: &wgpu::Adapter) -> bool {
+    adapter.features().contains(Features::PASSTHROUGH_SHADERS)
+        && adapter.get_info().backend == wgpu::Backend::Vulkan
 }
 
 /// An open device.

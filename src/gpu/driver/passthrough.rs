@@ -1,15 +1,9 @@
 //! SPIR-V that goes to a driver as it is. wgpu calls that unsafe, so it is in a file of its own.
 
-use wgpu::{Backend, Features, PassthroughShaderEntryPoint, ShaderModuleDescriptorPassthrough};
+use wgpu::{PassthroughShaderEntryPoint, ShaderModuleDescriptorPassthrough};
 
 use super::device::Device;
 use super::failure::Result;
-
-/// Whether an adapter takes SPIR-V. Others take other languages without wgpu's checks.
-pub(super) fn takes_spirv(adapter: &wgpu::Adapter) -> bool {
-    adapter.features().contains(Features::PASSTHROUGH_SHADERS)
-        && adapter.get_info().backend == Backend::Vulkan
-}
 
 impl Device {
     /// A shader module of SPIR-V with one entry point. It is not validated: it must come from [`crate::gpu::spirv`].

@@ -165,6 +165,8 @@ fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> Stri
         "sequential",
         "relaxed",
         "outside",
+        "rate <=",
+        "runs/s",
         "status",
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
@@ -172,13 +174,15 @@ fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> Stri
         let outcomes = [row.instances, row.runs, row.possible, row.seen];
         let classes = [row.sequential, row.relaxed, row.outside];
         let counts = [&outcomes[..], &classes].concat();
-        let counts = counts.iter().map(u64::to_string).collect();
+        let mut counts: Vec<String> = counts.iter().map(u64::to_string).collect();
+        counts.push(format!("{:.1e}", row.rate_at_most));
+        counts.push(format!("{:.0}", row.runs_per_second));
         let status = status(row.status, &row.reason);
         [vec![row.adapter.clone(), row.method.clone()], counts, vec![status]].concat()
     }));
     text += "\nMany copies at once: outcomes that interleavings can give, and of these seen; runs by what explains \
              their outcome\n";
-    let counted = [Right; 7];
+    let counted = [Right; 9];
     text += &columns(&[&[Left, Left], &counted[..], &[Left]].concat(), &lines);
     text + &weak(&all.stress)
 }
