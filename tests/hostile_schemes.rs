@@ -1,15 +1,18 @@
-//! What must not bring the checker down, and must be called by its name: schemes that panic, that never end, or that
-//! keep state outside of memory.
+//! What must not bring the checker down, and must be called by its name: schemes that panic, that never end, that
+//! leave their words, or that keep state outside of memory.
 
 #![allow(clippy::while_immutable_condition, reason = "loops without an end are what is tested")]
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use fragloom::explore::replay::replay_of;
-use fragloom::explore::{Finding, Limits, MemoryModel, Plan, Subject, Token, Verdict, check};
+use fragloom::explore::replay::{of_outcome, replay_of};
+use fragloom::explore::{
+    Conditions, Finding, Limits, Litmus, MemoryModel, Plan, Profile, Property, Subject, Token,
+    Verdict, check, explore,
+};
 use fragloom::fragment::Fragment;
 use fragloom::memory::{Atomic, Layout, Memory, Order, Pixel, Snapshot, Words};
-use fragloom::scheme::{Config, Contract, Keeps, Keys, Moment, Outcome, Scheme};
+use fragloom::scheme::{Config, Contract, Held, Keeps, Keys, Moment, Outcome, Scheme};
 
 const LIMITS: Limits<'_> = Limits { states: 1_000_000, cancelled: &|| false };
 
@@ -249,4 +252,75 @@ fn a_bound_of_states_says_what_would_raise_it() {
         assert!(row.message.contains("more than 5 states: raise --max-states"), "{row:#?}");
         assert!(row.message.contains("MiB"), "{row:#?}");
     }
+}
+
+/// Stores a fragment one word behind those of its pixel, of which there are so many.
+struct Beyond<const WORDS: u32> {
+    keys: Words<Pixel, Atomic, u64>,
+}
+
+impl<const WORDS: u32> Scheme for Beyond<WORDS> {
+    const CONTRACT: Contract = Contract { words: "2", ..Contract::new("beyond", Keeps::One) };
+
+    type Holds = Keys;
+
+    fn new(_: &Config, layout: &mut Layout) -> Self {
+        Self { keys: layout.pixel(WORDS.into()) }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        for word in 0..WORDS {
+            mem.store(self.keys.at(pixel, word), NOTHING, Order::Relaxed).await;
+        }
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let key = fragment.key();
+        mem.store(self.keys.at(fragment.pixel, WORDS), key, Order::Relaxed).await;
+        Outcome::Kept
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        for word in 0..WORDS {
+            let key = mem.load(self.keys.at(pixel, word), Order::Relaxed).await;
+            keys.extend(Some(key).filter(|&key| key != NOTHING));
+        }
+    }
+}
+
+/// What a robust device makes of an access outside of a buffer: nothing, or an access to its last word, if it has one.
+#[test]
+fn an_access_outside_is_dropped_or_clamped() {
+    fn one<const WORDS: u32>(results: &[usize]) {
+        let subject = Subject::of::<Beyond<WORDS>>();
+        let litmus = Litmus::of_one(subject.contract);
+        for memory in [MemoryModel::Sequential, MemoryModel::Relaxed(Profile::Wgsl)] {
+            let conditions = Conditions { memory, warp: None };
+            let explored = explore(&subject, &litmus, conditions, &LIMITS);
+            assert!(explored.complete && explored.violations.contains_key(&Property::Bounds));
+            let lengths: Vec<usize> = explored.outcomes.keys().map(|all| all[0].len()).collect();
+            assert_eq!(lengths, results, "{WORDS} words, {memory}");
+            for (pixels, schedule) in &explored.outcomes {
+                let token = of_outcome(&subject, &litmus, conditions, schedule).expect("it runs");
+                let replayed = replay_of(&subject, &token).expect("replays");
+                assert_eq!(replayed.run.end.as_ref().map(|end| &end.pixels), Some(pixels));
+                let wrong = replayed.run.violations().find(|(p, _)| *p == Property::Bounds);
+                assert!(wrong.is_some(), "{replayed:?}");
+                let dropped = pixels == &[Held::Keys(Vec::new())];
+                let cells = || replayed.table().into_iter().flatten();
+                assert_eq!(cells().any(|cell| cell == "outside := 0"), dropped, "{replayed:?}");
+                assert_eq!(cells().any(|cell| cell == "p0[1]L := 0"), !dropped, "{replayed:?}");
+            }
+        }
+        // Random runs do the same, and theirs are replayed too.
+        let rows = check(&subject, &Plan { fragments: Some(1), ..Plan::default() }, &LIMITS);
+        violated(&rows, "bounds");
+        let tokens = rows.iter().filter_map(|row| row.token.as_ref());
+        for token in tokens {
+            let Token::Litmus(token) = token.parse().expect("valid") else { panic!("of a pixel") };
+            replay_of(&subject, &token).expect("replays");
+        }
+    }
+    one::<2>(&[0, 1]);
+    one::<0>(&[0]);
 }

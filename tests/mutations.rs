@@ -3,8 +3,6 @@
 
 mod support;
 
-use std::cell::Cell;
-
 use fragloom::exec::drive::{Pipeline, complete};
 use fragloom::exec::interpret::Interpreted;
 use fragloom::fragment::{Fragment, key};
@@ -114,8 +112,7 @@ fn run(method: &str, config: &Config, fragments: &[(u32, u32)]) -> (Vec<Outcome>
     let scheme = Interpreted { instance: &*instance, inputs: &inputs };
     let pixel = Owned::new(instance.layout().per_pixel(), 1);
     let global = Shared::new(instance.layout().per_frame(), 1);
-    let next = Cell::new(0);
-    let mem = Exclusive::new(&pixel, &global, &inputs, &()).taking(Some(&next));
+    let mem = Exclusive::new(&pixel, &global, &inputs, &());
     scheme.clear(&mem, 0..1);
     let store =
         |&(depth, data)| complete(scheme.store(&mem, Fragment { pixel: 0, depth, data, extra: 0 }));

@@ -159,7 +159,7 @@ pub struct Block(pub u32);
 ///
 /// An access outside of a memory's words, which only a faulty scheme makes, does what robust buffer access does
 /// (Vulkan's `robustBufferAccess`): a read gives 0, a write has no effect, an update gives 0 and has no effect. The
-/// memory counts it.
+/// memory counts it. Checks also try that it hits the buffer's last word, to which other devices clamp it.
 #[allow(clippy::inline_always, reason = "the cost of a scheme is the cost of these operations")]
 pub trait Memory {
     /// Read a word.

@@ -310,7 +310,7 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
             assert!(found.runs >= 6 * 3 * 4_096 && found.seen > 0, "{found:?}");
         }
         for (method, fragments) in [("kplus-array", 3), ("skb+ofm", 2)] {
-            let unlocked = mutant(method, "TAKEN) == FREE", "TAKEN) < 2u");
+            let unlocked = mutant(method, "if acquire_lock(pixel)", "if true");
             let extent = stress::Extent { fragments, repeats: 1, instances: 64 };
             let found = stress(&opened.device, unlocked, extent).expect("a device");
             assert!(found.outside + found.relaxed > 0, "{found:?}");

@@ -3,7 +3,7 @@
 use fragloom::exec::Method;
 use fragloom::fragment::Fragment;
 use fragloom::gpu::check::conform::{Extent, conform};
-use fragloom::gpu::twin::source::Twin;
+use fragloom::gpu::twin::source::{Form, Twin};
 use fragloom::memory::{Atomic, Declared, Input, Layout, Memory, Order, Per, Pixel, Plain, Words};
 use fragloom::scheme::contract::Dependence;
 use fragloom::scheme::{Config, Contract, Keeps, Keys, Outcome, Scheme};
@@ -102,7 +102,7 @@ fn a_twin_reads_its_inputs() {
     let method = Method::of::<Capped>();
     let extent = Extent { fragments: 3, programs: 24 };
     for opened in all("inputs") {
-        let twin = Twin { method, text: TEXT };
+        let twin = Twin { method, text: TEXT, form: Form::Wgsl };
         let found = conform(&opened.device, twin, extent).expect("a device");
         assert_eq!((&found.difference, &found.unsupported), (&None, &None), "{found:?}");
         assert!(found.steps > 100, "{found:?}");

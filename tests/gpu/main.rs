@@ -11,7 +11,9 @@ mod drivers;
 mod inputs;
 mod merging;
 mod mutants;
+mod outcomes;
 mod text;
+mod vulkan;
 
 #[path = "../support/mod.rs"]
 mod support;

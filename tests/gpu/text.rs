@@ -43,7 +43,8 @@ fn twin(method: &str) -> Twin {
     source::twin(self::method(method)).expect("a twin")
 }
 
-fn modules(twin: Twin) -> Vec<(Shape, String)> {
+/// Its modules under several configurations; every second one is of the raster path.
+pub(super) fn modules(twin: Twin) -> Vec<(Shape, String)> {
     let mut modules = Vec::new();
     for config in configs() {
         let shape = Shape::new(twin.method, config).expect("a method");

@@ -24,13 +24,14 @@ use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::exec::Method;
 use crate::gpu::check::crosscheck::{self, Agreement, Options, Path, blank, failed};
 use crate::gpu::check::double::Double;
 use crate::gpu::check::open;
 use crate::gpu::driver::device::AdapterName;
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::picture::Picture;
-use crate::gpu::twin::source::Twin;
+use crate::gpu::twin::source::{Twin, twins};
 use crate::report::{files, json};
 
 #[derive(Debug, clap::Args)]
@@ -59,6 +60,10 @@ pub(in crate::cli) struct Args {
     /// How fragments reach the store pass [default: both ways]
     #[arg(long, value_enum, value_name = "PATH")]
     path: Option<PathFlag>,
+
+    /// What twins become: WGSL, whose atomics are relaxed; or, of those that need acquire and release, SPIR-V that has them
+    #[arg(long, value_enum, value_name = "FORM", default_value = "wgsl")]
+    form: FormFlag,
 
     /// The order in which the compute path gets the fragments
     #[arg(long, value_enum, value_name = "ORDER", default_value = "shuffled")]
@@ -137,6 +142,22 @@ pub(in crate::cli) struct Args {
 enum PathFlag {
     Raster,
     Compute,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FormFlag {
+    Wgsl,
+    Vulkan,
+}
+
+impl FormFlag {
+    /// As it is typed.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Wgsl => "wgsl",
+            Self::Vulkan => "vulkan",
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -230,6 +251,16 @@ pub(in crate::cli) fn devices(wanted: Option<&str>) -> Result<Vec<open::Opened>>
     Ok(found.opened)
 }
 
+fn no_order(method: Method) -> Error {
+    let have = twins().into_iter().filter_map(Twin::vulkan);
+    let have: Vec<&str> = have.map(|twin| twin.method.name()).collect();
+    let problem = format!(
+        "{method} orders nothing, so it has no Vulkan form; these have one: {}",
+        have.join(", ")
+    );
+    Error::new("--form", problem)
+}
+
 fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     let mut options = Options { k: args.k, ..Options::default() };
     if args.k == Some(0) {
@@ -238,6 +269,16 @@ fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
     if !args.methods.is_empty() {
         let twin = |name: &String| crosscheck::find(catalogue.find("-m", name)?);
         options.twins = args.methods.iter().map(twin).collect::<Result<_>>()?;
+    }
+    if args.form == FormFlag::Vulkan {
+        let asked = std::mem::take(&mut options.twins);
+        for twin in asked {
+            match twin.vulkan() {
+                Some(twin) => options.twins.push(twin),
+                None if args.methods.is_empty() => {}
+                None => return Err(no_order(twin.method)),
+            }
+        }
     }
     if let Some(path) = args.path {
         options.paths = vec![match path {
@@ -260,7 +301,7 @@ fn options(catalogue: &Catalogue, args: &Args) -> Result<Options> {
 fn here(args: &Args, subjects: &[Subject], options: &Options, rows: &mut Rows<'_>) -> Result<()> {
     let mut devices = devices(args.adapter.as_deref())?;
     devices.iter_mut().for_each(|opened| opened.device.patience = args.limit);
-    options.twins.iter().try_for_each(|twin| rows.ask(twin.method))?;
+    options.twins.iter().try_for_each(|twin| rows.ask(*twin))?;
     let (quiet, thickness) = (args.output.quiet, asked::thickness(args)?);
     for subject in subjects {
         let scene = subject.load()?;
@@ -309,7 +350,7 @@ fn row_without(
         status,
         is_finding,
         reason: reason.clone(),
-        ..blank(adapter, twin.method.name(), &subject.name, path, subject.size)
+        ..blank(adapter, &twin.name(), &subject.name, path, subject.size)
     };
     all.map(row).collect()
 }

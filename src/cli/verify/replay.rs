@@ -21,7 +21,7 @@ use crate::report::{files, json, table};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    /// A token printed by `fragloom check`: a value that begins with fl2-
+    /// A token printed by `fragloom check` or `crosscheck --litmus`: a value that begins with fl2-
     #[arg(value_name = "TOKEN")]
     token: String,
 
@@ -99,13 +99,16 @@ fn write_picture(folder: &Path, name: &str, image: &Image) -> Result<()> {
 fn story(args: &Args, token: &LitmusToken, replayed: &Replay) -> String {
     let conditions = token.conditions();
     let warp = if conditions.warp.is_some() { ", lanes of one warp" } else { "" };
+    let made = match token.property.as_str() {
+        LitmusToken::OUTCOME => "its outcome was seen on a device".to_owned(),
+        property => format!("it was made from a violation of '{property}'"),
+    };
     let mut text = format!(
-        "{} on {}, memory {}{warp}: {} steps; it was made from a violation of '{}'\n",
+        "{} on {}, memory {}{warp}: {} steps; {made}\n",
         token.method,
         token.litmus.describe(),
         conditions.memory,
         replayed.run.events.len(),
-        token.property
     );
     if args.minimise {
         text += &format!("{}\n", Token::Litmus(token.clone()));

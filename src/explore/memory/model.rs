@@ -129,7 +129,8 @@ pub(in crate::explore) enum Initial {
     Unwritten,
 }
 
-/// The words of one state under a memory model.
+/// The words of one state under a memory model. Operations are on words that exist: what becomes of others is the
+/// machine's.
 pub(in crate::explore) trait Model {
     /// Take up a state.
     fn load(&mut self, encoded: &[u32]);

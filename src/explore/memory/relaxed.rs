@@ -389,17 +389,11 @@ impl Model for Relaxed {
     }
 
     fn alternatives(&mut self, invocation: usize, cell: u32, action: Action) -> usize {
-        if cell == Numbering::OUTSIDE {
-            return 1;
-        }
         self.choices(invocation, cell as usize, action).len()
     }
 
     fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64 {
         (self.race, self.descends, self.lost) = (None, false, false);
-        if cell == Numbering::OUTSIDE {
-            return 0;
-        }
         let cell = cell as usize;
         let (order, fences) = match order_of(action) {
             Some(order) => self.profile.order(order),

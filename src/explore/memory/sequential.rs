@@ -68,18 +68,11 @@ impl Model for Sequential {
     #[inline]
     fn alternatives(&mut self, _: usize, cell: u32, action: Action) -> usize {
         let reads = !matches!(action, Action::Write(..));
-        if reads && cell != Numbering::OUTSIDE && self.is_unwritten(cell) {
-            self.candidates.len()
-        } else {
-            1
-        }
+        if reads && self.is_unwritten(cell) { self.candidates.len() } else { 1 }
     }
 
     #[inline]
     fn perform(&mut self, _: usize, cell: u32, action: Action, alternative: usize) -> u64 {
-        if cell == Numbering::OUTSIDE {
-            return 0;
-        }
         let bits = self.places[cell as usize].1;
         let old = match action {
             Action::Write(value, _) => {

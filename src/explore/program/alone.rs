@@ -54,7 +54,8 @@ impl Alone {
                         break;
                     }
                     Step::Merge => 0,
-                    Step::Panics(_) | Step::Operation(Numbering::OUTSIDE, _) => return None,
+                    Step::Panics(_) => return None,
+                    Step::Operation(cell, _) if Numbering::is_outside(cell) => return None,
                     Step::Operation(cell, action) => {
                         if accesses.meet(invocation, cell, !matches!(action, Action::Read(_))) {
                             return None;

@@ -370,7 +370,7 @@ impl<'a> Forest<'a> {
             Step::Panics(_) => return Some(Fault::Panics),
             Step::Merge | Step::Endless => return None,
         };
-        if cell == Numbering::OUTSIDE {
+        if Numbering::is_outside(cell) {
             return Some(Fault::Outside);
         }
         // The clear pass frees locks, too: no invocation holds one then.

@@ -26,6 +26,9 @@
 //! 3. An invocation that has ended does not move until the next stage. So memory may forget its views.
 //! 4. What a helper does leaves words, locks, races and outcomes as they are, except that its read decides the value
 //!    of an unwritten word.
+//! 5. What a robust device makes of an access outside of a buffer are alternatives of its move: the first drops it (a
+//!    read gives 0, a write has no effect); the others are those of the same access to the buffer's last word, to
+//!    which it is clamped, if there is one.
 //!
 //! Why it is sound: by 1 a search may keep one of equal states. Other invocations see nothing of local computation,
 //! so that no result is lost if it comes with the operation before it. A barrier comes after all of one stage and
@@ -37,7 +40,8 @@
 //! A program that repeats is cut off after [`MOST_ROUNDS`], and `is_full` says so. An operation that memory has no room
 //! for is not performed, and nothing follows from it; `is_full` says that, too. The method's invariant is looked at
 //! while its passes run, and before resolve; not at other barriers within a round. If lanes leave a block together,
-//! only the one that moves is asked for faults.
+//! only the one that moves is asked for faults. Vulkan lets an access outside of a buffer hit any word of it; here it
+//! hits the last one, or none. If that is a lock, it is not followed who holds it.
 //!
 //! Published: a state as a vector with an index for every process's own state: Holzmann, "State compression in SPIN"
 //! (SPIN 1997). Local computation joined to an operation: Lipton, "Reduction" (CACM 1975). Helpers are those of the
@@ -334,8 +338,23 @@ impl<'a> Machine<'a> {
             Step::Merge => usize::from(self.may_merge(nodes, invocation)),
             Step::Operation(_, Action::Update(..)) if self.is_helper(invocation) => HELPER_RESULTS,
             Step::Operation(_, Action::Write(..)) if self.is_helper(invocation) => 1,
+            Step::Operation(cell, action) if Numbering::is_outside(cell) => {
+                let end = self.numbering().end(cell);
+                1 + end.map_or(0, |end| self.model.alternatives(invocation, end, action))
+            }
             Step::Operation(cell, action) => self.model.alternatives(invocation, cell, action),
         }
+    }
+
+    /// The word that an operation accesses in one of its alternatives, and that word's alternative; `None` if it is
+    /// dropped (5).
+    #[inline]
+    pub(in crate::explore) fn accessed(&self, cell: u32, alternative: u16) -> Option<(u32, usize)> {
+        let alternative = usize::from(alternative);
+        if !Numbering::is_outside(cell) {
+            return Some((cell, alternative));
+        }
+        Some((self.numbering().end(cell)?, alternative.checked_sub(1)?))
     }
 
     /// The locks that an invocation holds, one bit each. A helper holds none, whatever its updates returned.
@@ -353,13 +372,13 @@ impl<'a> Machine<'a> {
         if let Step::Operation(cell, action) = step {
             if self.is_helper(invocation) {
                 result = self.helper(invocation, cell, action, by.alternative);
-            } else {
+            } else if let Some((cell, alternative)) = self.accessed(cell, by.alternative) {
                 let grows = self.growing.get(cell as usize).is_some_and(|&grows| grows)
                     && self.storing[self.at.stage as usize]
                     && !matches!(action, Action::Read(_));
                 // Under relaxed memory these are a word's last messages; a write may also come before others.
                 let before = if grows { self.model.settled(cell) } else { None };
-                result = self.model.perform(invocation, cell, action, usize::from(by.alternative));
+                result = self.model.perform(invocation, cell, action, alternative);
                 shrunk = grows && (self.model.settled(cell) < before || self.model.descends());
                 // What a helper reads has no effect, so that it is no race either. The model reports one race at a
                 // time: a further one, with a higher invocation, is lost with it.
@@ -413,21 +432,23 @@ impl<'a> Machine<'a> {
 
     /// A helper's writes have no effect, and its updates return anything.
     fn helper(&mut self, invocation: usize, cell: u32, action: Action, alternative: u16) -> u64 {
-        if cell == Numbering::OUTSIDE {
+        if let Action::Read(_) = action {
+            // As weak as can be: it and later reads find at least all that its own order allows.
+            let read = Action::Read(Access::Atomic(Order::Relaxed));
+            return self.accessed(cell, alternative).map_or(0, |(cell, alternative)| {
+                self.model.perform(invocation, cell, read, alternative)
+            });
+        }
+        if Numbering::is_outside(cell) {
             return 0;
         }
         let width = self.numbering().address(cell).bits;
         match (action, alternative) {
-            (Action::Write(..), _) | (Action::Update(..), 0) => 0,
+            (Action::Read(_) | Action::Write(..), _) | (Action::Update(..), 0) => 0,
             (Action::Update(..), 1) => 1,
             (Action::Update(..), 2) => model::cut(u64::MAX, width),
             // The word's value, as if the update had worked.
             (Action::Update(..), _) => self.model.settled(cell).unwrap_or(0),
-            (Action::Read(_), _) => {
-                // As weak as can be: it and later reads find at least all that its own order allows.
-                let read = Action::Read(Access::Atomic(Order::Relaxed));
-                self.model.perform(invocation, cell, read, usize::from(alternative))
-            }
         }
     }
 

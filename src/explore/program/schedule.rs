@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct Move {
     /// The invocation, in the order of the litmus pixel's tasks.
     pub invocation: u8,
-    /// Which of the values that it may read; 0 under sequential consistency, unless the word was never written.
+    /// Which of the values that it may read; 0 under sequential consistency, unless the word was never written. For an
+    /// access outside of a buffer, 0 drops it, and the others are those of the buffer's last word, one higher.
     pub alternative: u16,
 }
 

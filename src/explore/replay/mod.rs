@@ -6,10 +6,11 @@ pub mod run;
 pub mod slabs;
 pub mod token;
 
-use self::run::{Event, Run, Runner, describe, label, run};
+use self::run::{Event, OUTSIDE, Run, Runner, describe, label, run};
 use self::token::LitmusToken;
 use super::program::case::Case;
 use super::program::controls;
+use super::program::litmus::Litmus;
 use super::program::machine::Conditions;
 use super::program::schedule::Move;
 use super::program::subject::Subject;
@@ -34,6 +35,21 @@ pub struct Replay {
 
 /// The most states searched for each step in question.
 const MOST_STATES: usize = 300_000;
+
+/// The token of a schedule of a litmus pixel, for its outcome: it need not break any property.
+///
+/// # Errors
+/// A move that is impossible: the schedule belongs to something else.
+pub fn of_outcome(
+    subject: &Subject,
+    litmus: &Litmus,
+    conditions: Conditions,
+    schedule: &[Move],
+) -> Result<LitmusToken> {
+    let run = run(&subject.case(litmus), conditions, schedule)?;
+    let (method, moves) = (subject.contract.name, [schedule, &[]]);
+    Ok(LitmusToken::new(method, LitmusToken::OUTCOME, litmus, conditions, moves, &run))
+}
 
 /// Replay a token of a method of the catalogue.
 ///
@@ -206,7 +222,7 @@ fn word(event: &Event) -> String {
 fn word_name(at: &Address) -> String {
     let width = if at.bits == 64 { "L" } else { "" };
     match at.pixel {
-        _ if at.bits == 0 => "outside".to_owned(),
+        _ if *at == OUTSIDE => "outside".to_owned(),
         Some(pixel) => format!("p{pixel}[{}]{width}", at.word),
         None => format!("frame[{}]{width}", at.word),
     }

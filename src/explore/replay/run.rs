@@ -16,6 +16,9 @@ use crate::scheme::Moment;
 use crate::scheme::course;
 use crate::scheme::task::{Ended, Task};
 
+/// The word of an access outside of the method's words that is dropped.
+pub(super) const OUTSIDE: Address = Address { pixel: None, word: u64::MAX, bits: 0 };
+
 /// One step of a run.
 #[derive(Clone, Debug)]
 pub struct Event {
@@ -23,7 +26,8 @@ pub struct Event {
     pub stage: usize,
     /// Which invocation moved, and how.
     pub by: Move,
-    /// What it did; `None` for leaving a block.
+    /// What it did, and to which word: of an access outside of a buffer the last one, if it is clamped to that.
+    /// `None` for leaving a block.
     pub operation: Option<(Address, Action)>,
     /// The value read, or 0.
     pub result: u64,
@@ -122,7 +126,7 @@ impl<'a> Runner<'a> {
         let mut event = Event {
             stage: self.machine.stage_number(),
             by,
-            operation: self.operation(step),
+            operation: self.operation(step, by),
             result: moved.result,
             site,
             ended: self.ended(moved.node),
@@ -139,14 +143,16 @@ impl<'a> Runner<'a> {
         self.events.last()
     }
 
-    fn operation(&self, step: Step) -> Option<(Address, Action)> {
-        match step {
-            Step::Operation(Numbering::OUTSIDE, action) => {
-                Some((Address { pixel: None, word: u64::MAX, bits: 0 }, action))
-            }
-            Step::Operation(cell, action) => Some((self.machine.numbering().address(cell), action)),
-            _ => None,
-        }
+    /// The word that a step accesses, and how. A helper's update has alternatives of its own, and no word if it is
+    /// outside.
+    fn operation(&self, step: Step, by: Move) -> Option<(Address, Action)> {
+        let Step::Operation(cell, action) = step else { return None };
+        let helps = self.machine.is_helper(by.invocation.into())
+            && !matches!(action, Action::Read(_))
+            && Numbering::is_outside(cell);
+        let accessed = self.machine.accessed(cell, by.alternative).filter(|_| !helps);
+        let address = accessed.map(|(cell, _)| self.machine.numbering().address(cell));
+        Some((address.unwrap_or(OUTSIDE), action))
     }
 
     fn ended(&self, node: NodeId) -> Option<String> {

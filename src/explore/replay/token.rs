@@ -84,7 +84,7 @@ impl From<Wire> for Token {
 pub struct LitmusToken {
     /// The method's name.
     pub method: String,
-    /// The property that fails.
+    /// The property that fails, or [`Self::OUTCOME`].
     pub property: String,
     /// The instance.
     pub litmus: Litmus,
@@ -122,6 +122,9 @@ pub struct SceneToken {
 }
 
 impl LitmusToken {
+    /// Stands for the property in a token that is there for its outcome, which may be right.
+    pub const OUTCOME: &str = "outcome";
+
     /// A token of a schedule and its run. `cycle` repeats forever after it.
     #[must_use]
     pub fn new(

@@ -7,6 +7,7 @@ use super::property::{self, Property};
 use super::waiting::Waiting;
 use crate::explore::memory::model::cut;
 use crate::explore::program::case::{Case, PATIENCE};
+use crate::explore::program::forest::Fault;
 use crate::explore::program::guard::guarded;
 use crate::explore::program::machine::Final;
 use crate::explore::program::schedule::Move;
@@ -186,19 +187,25 @@ impl Runner<'_> {
         if !self.live.sites.iter().any(|(known, _)| ptr::eq(*known, site)) {
             self.live.sites.push((site, action));
         }
-        let number = self.case.numbering.number(word);
-        if number == Numbering::OUTSIDE {
-            self.note(at, invocation, 0);
-            let told = "an access outside of the method's words".to_owned();
-            self.live.wrong.push((Property::Bounds, told));
-            return (0, false);
-        }
+        let mut number = self.case.numbering.number(word);
         let mut alternative = 0;
+        if Numbering::is_outside(number) {
+            self.live.wrong.push((Property::Bounds, Fault::Outside.message().to_owned()));
+            // Dropped, or clamped to the buffer's end: alternatives as a machine has them.
+            let end = self.case.numbering.end(number);
+            let Some(end) = end.filter(|_| self.random.below(2) == 1) else {
+                self.note(at, invocation, 0);
+                return (0, false);
+            };
+            (number, alternative) = (end, 1);
+        }
+        let mut candidate = 0;
         if self.words[number as usize].is_none() && !matches!(action, Action::Write(..)) {
-            alternative = self.random.below(self.candidates.len() as u64) as u16;
+            candidate = self.random.below(self.candidates.len() as u64) as usize;
+            alternative += candidate as u16;
         }
         self.note(at, invocation, alternative);
-        let old = self.words[number as usize].unwrap_or(self.candidates[usize::from(alternative)]);
+        let old = self.words[number as usize].unwrap_or(self.candidates[candidate]);
         let old = cut(old, word.bits);
         let (answer, new) = match action {
             Action::Read(_) => (old, old),

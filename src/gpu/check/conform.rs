@@ -174,7 +174,7 @@ pub fn conform(device: &Device, twin: Twin, extent: Extent) -> Result<Conformanc
     let mut sum = Conformance {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.name().to_owned(),
+        method: twin.name(),
         ..Conformance::default()
     };
     for (group, litmus) in programs(&subject, extent) {
@@ -249,7 +249,7 @@ impl<'a, 'd> Bench<'a, 'd> {
             group(device, &[Bound { binding: 0, buffer: &fragments, part, kind: WRITABLE, stages }])
         };
         let slots: Vec<Group> = (0..MOST).map(slot).collect::<Result<_>>()?;
-        let geometry = |entry| program.pass(entry, Some(&slots[0].layout), &[]);
+        let geometry = |entry| program.pass(entry, Some(&slots[0]), &[]);
         let twin = program.twin;
         let pixels = program.shape.config.pixels;
         let mut clear = Vec::new();

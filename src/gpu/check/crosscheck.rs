@@ -250,7 +250,7 @@ impl BandRun<'_> {
 
     fn row(&self, size: [u32; 2], sub_pixel_bits: u32) -> Agreement {
         let name = &self.scene.name;
-        let blank = blank(self.device.name(), self.contract.name, name, self.path, size);
+        let blank = blank(self.device.name(), &self.twin.name(), name, self.path, size);
         let (status, is_finding, reason) = self.verdict();
         Agreement {
             sub_pixel_bits,
@@ -299,7 +299,7 @@ impl BandRun<'_> {
                 "proves nothing about races: a driver may draw a tile in order, on one thread",
             ),
             (racy && !raster, "this time; it races"),
-            (!racy && !self.contract.is_within_wgsl(), "not guaranteed by WGSL"),
+            (!racy && !self.twin.not_guaranteed().is_empty(), self.twin.not_guaranteed()),
             (self.contract.keeps == Keeps::Merged, "records without colours"),
             (!bounds.is_empty(), bounds),
             (sum.unsettled > 0, &unsettled),

@@ -6,6 +6,7 @@ pub mod conform;
 pub mod crosscheck;
 pub mod double;
 pub mod open;
+pub mod outcomes;
 pub mod race;
 mod seen;
 pub mod stress;

@@ -1,14 +1,15 @@
 //! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
-//! together or far apart. The outcomes are counted against every outcome that the explorer finds.
+//! together or far apart. The outcomes are counted against every outcome that the explorer finds, and others explained
+//! one by one ([`outcomes`](super::outcomes)).
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
 use super::crosscheck::{Status, holding};
-use crate::explore::program::instances::{Family, instances};
+use super::outcomes::{self, Class, Outcome, Possible};
+use crate::explore::Subject;
 use crate::explore::program::litmus::Litmus;
-use crate::explore::{self, Limits, MemoryModel, Profile, Subject};
 use crate::fragment::{Data, Fragment, depth_of};
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
@@ -33,8 +34,8 @@ const COPIES: u32 = 4_096;
 /// How a picture of copies is arranged in memory.
 const GRID: Grid = Grid { width: 64, height: 64, tile: 16 };
 
-/// States up to which an instance is explored.
-const STATES: usize = 2_000_000;
+/// Room for what a pixel emits, for each of its fragments: a race may emit some several times.
+const ROOM: u32 = 4;
 
 /// How much to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,13 +73,15 @@ pub struct Stressed {
     pub possible: u64,
     /// Those of them that were observed.
     pub seen: u64,
+    /// Runs whose outcome an interleaving gives.
+    pub sequential: u64,
     /// Runs whose outcome is that of no interleaving, but which relaxed memory allows.
     pub relaxed: u64,
     /// Runs whose outcome no explored execution explains.
     pub outside: u64,
-    /// The first of them: the litmus pixel and the outcome.
-    pub first_outside: Option<String>,
-    /// Equal if no run was outside.
+    /// The outcomes of these last two kinds, one by one.
+    pub outcomes: Vec<Outcome>,
+    /// Equal if all runs had the outcome of an interleaving.
     pub status: Status,
     /// The reason, or what equality does not prove.
     pub reason: String,
@@ -94,39 +97,32 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
     let mut sum = Stressed {
         adapter: device.name.name.clone(),
         driver: device.name.driver.clone(),
-        method: twin.method.name().to_owned(),
+        method: twin.name(),
         instances: 0,
         unexplored: 0,
         runs: 0,
         possible: 0,
         seen: 0,
+        sequential: 0,
         relaxed: 0,
         outside: 0,
-        first_outside: None,
+        outcomes: Vec::new(),
         status: Status::Equal,
         reason: String::new(),
     };
-    let family = Family { fragments: extent.fragments, ks: vec![1, 2], helpers: 0 };
-    let whole = |litmus: &Litmus| {
-        let n = litmus.fragments.len();
-        litmus.pixels == 1 && litmus.room as usize == n && n > 1
-    };
-    let device_model = explore::Conditions { memory: MemoryModel::Sequential, warp: None };
-    let limits = Limits { states: STATES, cancelled: &|| false };
     let (mut known, mut program) = (BTreeSet::new(), None);
-    let all: Vec<Litmus> = instances(&subject, &family).into_iter().filter(whole).collect();
+    let all = outcomes::copied(&subject, extent.fragments);
     let step = all.len().div_ceil(extent.instances.max(1)).max(1);
     for litmus in all.into_iter().step_by(step) {
         if contract.crosses() && known.contains(&litmus.fragments) {
             continue;
         }
-        let explored = explore::explore(&subject, &litmus, device_model, &limits);
-        if !explored.complete {
+        let Some(mut possible) = Possible::new(&subject, &litmus) else {
             sum.unexplored += 1;
             continue;
-        }
+        };
         let mut tally: BTreeMap<Held, u64> =
-            explored.outcomes.keys().map(|pixels| (pixels[0].clone(), 0)).collect();
+            possible.interleavings().map(|held| (held.clone(), 0)).collect();
         if contract.crosses() {
             // Copies share one table in which all find room, so they must all find room in the explored table too.
             let mut all = litmus.generated(0);
@@ -140,7 +136,11 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         let ran = program_for(&mut program, device, twin, copied(contract, &litmus))
             .and_then(|program| run(program, &litmus, extent, &mut tally));
         match ran {
-            Ok(others) => sum.explain(&subject, &litmus, &others),
+            Ok(others) => {
+                for ((held, beyond), runs) in others {
+                    sum.outcomes.push(possible.explain(&held, beyond, runs)?);
+                }
+            }
             Err(Failure::Unsupported(why)) => {
                 sum.status = Status::Unsupported;
                 sum.reason = why;
@@ -151,20 +151,24 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         sum.instances += 1;
         sum.runs += 3 * extent.repeats * u64::from(COPIES);
         sum.seen += tally.values().filter(|&&count| count > 0).count() as u64;
+        sum.sequential += tally.values().sum::<u64>();
     }
-    if sum.outside > 0 {
+    sum.relaxed = sum.of(Class::Relaxed).map(|outcome| outcome.runs).sum();
+    sum.outside = sum.of(Class::Outside).map(|outcome| outcome.runs).sum();
+    let first = sum.of(Class::Outside).next().cloned();
+    if let Some(first) = first {
+        let more = if first.complete { "" } else { " (relaxed memory: not all explored)" };
+        let first = format!("{}: {}{more}", first.litmus, first.outcome);
+        let runs = sum.outside;
+        sum.reason = format!("{runs} runs that no explored execution explains, first {first}");
         sum.status = Status::Different;
-        let first = sum.first_outside.clone().unwrap_or_default();
-        sum.reason =
-            format!("{} runs that no explored execution explains, first {first}", sum.outside);
     } else if sum.relaxed > 0 {
         sum.status = Status::Different;
         sum.reason = format!("{} runs show that memory is relaxed", sum.relaxed);
     } else {
-        let guaranteed = contract.is_within_wgsl();
         let seen = sum.seen < sum.possible;
         let reasons = [
-            (!guaranteed, "not guaranteed by WGSL"),
+            (!twin.not_guaranteed().is_empty(), twin.not_guaranteed()),
             (seen, "not every outcome was observed: a device may schedule as it likes"),
             (sum.unexplored > 0, "some litmus pixels have too many states to be explored"),
         ];
@@ -174,27 +178,9 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
 }
 
 impl Stressed {
-    /// Sort outcomes of no interleaving into those that relaxed memory allows, and the others.
-    fn explain(&mut self, subject: &Subject, litmus: &Litmus, others: &BTreeMap<Held, u64>) {
-        if others.is_empty() {
-            return;
-        }
-        let conditions =
-            explore::Conditions { memory: MemoryModel::Relaxed(Profile::Wgsl), warp: None };
-        let limits = Limits { states: STATES, cancelled: &|| false };
-        let explored = explore::explore(subject, litmus, conditions, &limits);
-        for (held, &count) in others {
-            if explored.outcomes.contains_key(std::slice::from_ref(held)) {
-                self.relaxed += count;
-                continue;
-            }
-            self.outside += count;
-            self.first_outside.get_or_insert_with(|| {
-                let more =
-                    if explored.complete { "" } else { " (relaxed memory: not all explored)" };
-                format!("{}: {held}{more}", litmus.describe())
-            });
-        }
+    /// The outcomes of a class.
+    fn of(&self, class: Class) -> impl Iterator<Item = &Outcome> {
+        self.outcomes.iter().filter(move |outcome| outcome.class == class)
     }
 }
 
@@ -237,13 +223,14 @@ fn program_for<'a, 'd>(
     Ok(last.insert(program))
 }
 
-/// Run an instance, and give the outcomes that are not in the tally.
+/// Run an instance, and give the outcomes that are not in the tally, with the words beyond its room that a pixel
+/// emitted.
 fn run(
     program: &Program<'_>,
     litmus: &Litmus,
     extent: Extent,
     tally: &mut BTreeMap<Held, u64>,
-) -> Result<BTreeMap<Held, u64>> {
+) -> Result<BTreeMap<(Held, u32), u64>> {
     let (method, contract) = (program.twin.method, program.shape.contract);
     let distances = program.shape.config.distances;
     let n = litmus.fragments.len() as u32;
@@ -252,8 +239,8 @@ fn run(
         .map(|simulator| Colors::new(simulator, contract, litmus, Bounds::of(method, &config)));
     let room = match (method.holds(), &colors) {
         (_, Some(colors)) => colors.simulator.room() as u32,
-        (HeldKind::Records, _) => n * merged::WORDS,
-        _ => n,
+        (HeldKind::Records, _) => ROOM * n * merged::WORDS,
+        _ => ROOM * n,
     };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     let mut others = BTreeMap::new();
@@ -271,9 +258,10 @@ fn run(
                     Some(colors) => colors.held(pixel as u32, got.pixel(pixel), tally),
                     None => held(method.holds(), got.pixel(pixel), &distances),
                 };
-                match tally.get_mut(&found).filter(|_| got.counts[pixel] <= room) {
+                let beyond = got.counts[pixel].saturating_sub(room);
+                match tally.get_mut(&found).filter(|_| beyond == 0) {
                     Some(count) => *count += 1,
-                    None => *others.entry(found).or_default() += 1,
+                    None => *others.entry((found, beyond)).or_default() += 1,
                 }
             }
         }

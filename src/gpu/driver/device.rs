@@ -11,6 +11,7 @@ use serde::Serialize;
 use wgpu::{BufferUsages, Features, PollType};
 
 use super::failure::{Failure, Result};
+use super::passthrough::takes_spirv;
 
 /// How long a submission may take by default, in seconds.
 pub const PATIENCE: u64 = 120;
@@ -57,6 +58,8 @@ pub struct Device {
     pub name: AdapterName,
     /// Atomic operations on 64 bits.
     pub atomics64: bool,
+    /// It takes SPIR-V as it is.
+    pub spirv: bool,
     /// Its limits.
     pub limits: wgpu::Limits,
     /// How long a submission may take, in seconds.
@@ -103,7 +106,9 @@ impl Device {
         let small64 = Features::SHADER_INT64_ATOMIC_MIN_MAX;
         let atomics64 = adapter.features().contains(all64);
         let features = adapter.features() & (all64 | small64);
-        let required_features = if atomics64 { features } else { Features::empty() };
+        let mut required_features = if atomics64 { features } else { Features::empty() };
+        let spirv = takes_spirv(adapter);
+        required_features.set(Features::PASSTHROUGH_SHADERS, spirv);
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("fragloom"),
@@ -125,7 +130,7 @@ impl Device {
         });
         let (name, patience) = (name(adapter), PATIENCE);
         let submissions = Arc::default();
-        Ok(Self { name, atomics64, limits, patience, submissions, device, queue, failure })
+        Ok(Self { name, atomics64, spirv, limits, patience, submissions, device, queue, failure })
     }
 
     fn failure(&self) -> Option<Failure> {

@@ -3,6 +3,7 @@
 
 pub mod band;
 pub mod bounds;
+mod code;
 pub mod expected;
 pub mod light;
 pub mod merged;

@@ -6,12 +6,14 @@ use std::collections::BTreeMap;
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
 use super::bounds;
+use super::code::Code;
 use super::light;
 use super::shape::{FRAGMENT, SPARE, Shape, Words, words_of};
 use super::source::{Constants, Path, Twin};
 use crate::fragment::Fragment;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::spirv::write::Entry;
 use crate::scheme::contract::Keeps;
 use crate::scheme::course::{Course, Part};
 use crate::scheme::merging::sums::logarithms;
@@ -40,6 +42,8 @@ const INPUTS: u32 = 5;
 pub struct Group {
     pub(in crate::gpu) layout: wgpu::BindGroupLayout,
     pub(in crate::gpu) group: wgpu::BindGroup,
+    /// The numbers of its bindings, ascending.
+    pub(super) bindings: Vec<u32>,
 }
 
 /// A buffer, or a part of one, as a shader sees it.
@@ -104,7 +108,9 @@ pub fn group(device: &Device, bound: &[Bound<'_>]) -> Result<Group> {
         layout: &layout,
         entries: &entries,
     });
-    device.check().map(|()| Group { layout, group })
+    let mut bindings: Vec<u32> = bound.iter().map(|b| b.binding).collect();
+    bindings.sort_unstable();
+    device.check().map(|()| Group { layout, group, bindings })
 }
 
 /// A twin, configured, with its buffers.
@@ -119,7 +125,7 @@ pub struct Program<'d> {
     _table: Option<wgpu::Buffer>,
     _inputs: Option<wgpu::Buffer>,
     pub(in crate::gpu) words_group: Group,
-    module: wgpu::ShaderModule,
+    code: Code,
     /// Invocations that gave up waiting and were rerun.
     again: Cell<u64>,
     /// The compiled passes, by entry point and overrides.
@@ -178,7 +184,7 @@ impl<'d> Program<'d> {
             stages,
         }));
         let words_group = group(device, &bindings)?;
-        let module = device.module(twin.method.name(), &twin.module(&constants, Path::Compute)?)?;
+        let code = Code::new(device, twin, &twin.module(&constants, Path::Compute)?)?;
         let passes = RefCell::default();
         let again = Cell::default();
         Ok(Self {
@@ -190,7 +196,7 @@ impl<'d> Program<'d> {
             _table: table,
             _inputs: inputs,
             words_group,
-            module,
+            code,
             again,
             passes,
         })
@@ -202,26 +208,30 @@ impl<'d> Program<'d> {
         self.again.get()
     }
 
-    /// A compute pass: an entry point of the module, and the layout of its second group, if it has one. It is compiled
-    /// once.
+    /// A compute pass: an entry point of the module, and its second group, if it has one. It is compiled once.
     ///
     /// # Errors
     /// The device refuses.
     pub fn pass(
         &self,
         entry: &str,
-        second: Option<&wgpu::BindGroupLayout>,
+        second: Option<&Group>,
         overrides: &[(&str, f64)],
     ) -> Result<Dispatch> {
         let name = format!("{entry} {overrides:?}");
         if let Some(pass) = self.passes.borrow().get(&name) {
             return Ok(pass.clone());
         }
-        let groups = [Some(&self.words_group.layout), second];
+        let groups = [Some(&self.words_group), second];
+        let layouts = groups.map(|group| group.map(|group| &group.layout));
+        let bindings: Vec<&[u32]> =
+            groups.iter().flatten().map(|g| g.bindings.as_slice()).collect();
+        let module = Entry { name: entry, overrides, bindings: &bindings };
+        let module = self.code.module(self.device, &module)?;
         let device = &self.device.device;
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
-            bind_group_layouts: if second.is_some() { &groups } else { &groups[..1] },
+            bind_group_layouts: if second.is_some() { &layouts } else { &layouts[..1] },
             immediate_size: 0,
         });
         let compilation_options = wgpu::PipelineCompilationOptions {
@@ -231,7 +241,7 @@ impl<'d> Program<'d> {
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
             layout: Some(&layout),
-            module: &self.module,
+            module: &module,
             entry_point: Some(entry),
             compilation_options,
             cache: None,
@@ -421,7 +431,7 @@ impl<'d> Program<'d> {
             stages: ShaderStages::COMPUTE,
         };
         let group = group(self.device, &[bound])?;
-        let pass = self.pass(entry, Some(&group.layout), &[])?;
+        let pass = self.pass(entry, Some(&group), &[])?;
         Ok((group, pass))
     }
 }

@@ -11,12 +11,14 @@ use std::ops::Range;
 use wgpu::BufferUsages;
 
 use super::band::Band;
+use super::code::Code;
 use super::program::{Bound, Group, Program, WRITABLE, group};
 use super::shape::FRAGMENT;
 use super::source::Path;
 use crate::fragment::Fragment;
 use crate::gpu::driver::device::Device;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::spirv::write::Entry;
 use crate::raster::clip::{Polygon, Snapped, UNITS, doubled_area};
 use crate::raster::{Record, primitive::Rect};
 use crate::scheme::contract::Contract;
@@ -120,7 +122,7 @@ pub struct Raster<'a, 'd> {
     program: &'a Program<'d>,
     band: &'a Band<'d>,
     triangles: &'a Triangles,
-    module: wgpu::ShaderModule,
+    code: Code,
     /// Instances of one submission each, and how many.
     buffers: Vec<(wgpu::Buffer, u32)>,
     target: wgpu::TextureView,
@@ -151,7 +153,7 @@ impl<'a, 'd> Raster<'a, 'd> {
             .with_power("PER_HALF_VIEWPORT", -(VIEWPORT / 2 * UNITS).ilog2().cast_signed())
             .with("BAND_TOP", band.top().into());
         let text = program.twin.module(&constants, Path::Raster)?;
-        let module = device.module(program.twin.method.name(), &text)?;
+        let code = Code::new(device, program.twin, &text)?;
         let most = (device.largest() / size_of::<Instance>() as u64).max(1);
         let mut buffers = Vec::new();
         for chunk in &triangles.chunks {
@@ -180,7 +182,7 @@ impl<'a, 'd> Raster<'a, 'd> {
             program,
             band,
             triangles,
-            module,
+            code,
             buffers,
             target,
             given_up,
@@ -260,12 +262,14 @@ impl<'a, 'd> Raster<'a, 'd> {
             return Ok(pipeline.clone());
         }
         let device = self.program.device;
+        let groups = [&self.program.words_group, &self.given_up_group];
+        let bindings = groups.map(|group| group.bindings.as_slice());
+        let module =
+            |name| self.code.module(device, &Entry { name, overrides: &[], bindings: &bindings });
+        let (vertex, fragment) = (module("raster_corner")?, module(entry)?);
         let layout = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
-            bind_group_layouts: &[
-                Some(&self.program.words_group.layout),
-                Some(&self.given_up_group.layout),
-            ],
+            bind_group_layouts: &groups.map(|group| Some(&group.layout)),
             immediate_size: 0,
         });
         let attributes = wgpu::vertex_attr_array![
@@ -285,7 +289,7 @@ impl<'a, 'd> Raster<'a, 'd> {
             label: Some(entry),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
-                module: &self.module,
+                module: &vertex,
                 entry_point: Some("raster_corner"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &[Some(instances)],
@@ -294,7 +298,7 @@ impl<'a, 'd> Raster<'a, 'd> {
             depth_stencil: None,
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &self.module,
+                module: &fragment,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &[Some(nothing)],

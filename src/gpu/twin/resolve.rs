@@ -74,12 +74,11 @@ impl<'a, 'd> Resolve<'a, 'd> {
             vec![seen(1, &rays, WRITABLE), seen(2, &lists, WRITABLE), seen(3, &palette, READABLE)];
         bound.extend(more.as_ref().map(|more| seen(4, more, WRITABLE)));
         let group = group(device, &bound)?;
-        let layout = Some(&group.layout);
-        let round = |number| program.pass("round_pass", layout, &[("ROUND", number)]);
+        let round = |number| program.pass("round_pass", Some(&group), &[("ROUND", number)]);
         let passes = if repeats {
             vec![round(0.0)?, round(1.0)?]
         } else {
-            vec![program.pass("resolve_pass", layout, &[])?]
+            vec![program.pass("resolve_pass", Some(&group), &[])?]
         };
         Ok(Self { program, rays, lists, group, passes, more, rooms, bytes })
     }

@@ -9,7 +9,9 @@ use std::fmt::Write;
 
 use crate::catalogue::Catalogue;
 use crate::exec::Method;
+use crate::explore::Profile;
 use crate::gpu::driver::failure::{Failure, Result};
+use crate::gpu::spirv::orders::Order;
 
 /// A method in WGSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +20,18 @@ pub struct Twin {
     pub method: Method,
     /// Its text, before includes.
     pub text: &'static str,
+    /// What becomes of its atomic operations.
+    pub form: Form,
+}
+
+/// What becomes of a twin's atomic operations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// They are relaxed, as WGSL has them.
+    #[default]
+    Wgsl,
+    /// Those that the method's source orders acquire or release, in SPIR-V.
+    Vulkan,
 }
 
 macro_rules! files {
@@ -32,12 +46,12 @@ const FILES: &[(&str, &str)] = files! {
     "pass/round" "pass/screen" "pass/store" "pass/store_raster"
     "shared/composite" "shared/depth" "shared/emit" "shared/fragment" "shared/fragments" "shared/grid" "shared/index"
     "shared/nearest" "shared/rays" "shared/sort" "shared/wide" "shared/word64"
-    "parts/alike" "parts/array_up_to" "parts/buckets" "parts/counted_down" "parts/ends" "parts/list" "parts/lock"
+    "parts/alike" "parts/array_up_to" "parts/buckets" "parts/counted_down" "parts/ends" "parts/list" "parts/lock" "parts/unlock"
     "parts/locked_row" "parts/max_array" "parts/max_heap" "parts/merged" "parts/ranges" "parts/table"
     "a_buffer/ab_array" "a_buffer/ab_ll" "a_buffer/s_buffer" "hash_table/ha64" "kplus_buffer/kplus_sb"
     "reach/frame_rows" "reach/frame_rows_atomic" "reach/frame_rows_updates" "reach/nodes" "reach/nodes_atomic"
     "reach/nodes_updates" "reach/pages" "reach/pages_atomic" "reach/pages_updates" "reach/pixel_rows"
-    "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates"
+    "reach/pixel_rows_atomic" "reach/pixel_rows_updates" "reach/updates" "reach/unlock_updates"
     "approximate/random" "approximate/ray" "approximate/sums" "approximate/table"
 };
 
@@ -95,16 +109,16 @@ const TWINS: &[(&str, &str)] = twins! {
     "hybrid" "approximate/hybrid"
     "stochastic" "approximate/stochastic"
     "ab-ll-paged@atomic" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_atomic"]
-    "ab-ll-paged@rmw" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_updates"]
+    "ab-ll-paged@rmw" "a_buffer/ab_ll_paged" ["reach/pages" "reach/pages_updates"] ["parts/unlock" "reach/unlock_updates"]
     "kb-ll@atomic" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_atomic"]
     "kb-ll@rmw" "k_buffer/kb_ll" ["reach/nodes" "reach/nodes_updates"]
     "kplus-array@atomic" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
-    "kplus-array@rmw" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-array@rmw" "kplus_buffer/kplus_array" ["reach/pixel_rows" "reach/pixel_rows_updates"] ["parts/unlock" "reach/unlock_updates"]
     "kplus-array@word64" "kplus_buffer/kplus_array_word64"
     "kplus-heap@atomic" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_atomic"]
-    "kplus-heap@rmw" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_updates"]
+    "kplus-heap@rmw" "kplus_buffer/kplus_heap" ["reach/pixel_rows" "reach/pixel_rows_updates"] ["parts/unlock" "reach/unlock_updates"]
     "kplus-sb@atomic" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_atomic"]
-    "kplus-sb@rmw" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_updates"]
+    "kplus-sb@rmw" "kplus_buffer/kplus_sb" ["reach/frame_rows" "reach/frame_rows_updates"] ["parts/unlock" "reach/unlock_updates"]
 };
 
 /// Entry points by the function that a twin defines: where they are, and whether they run invocations for fragments.
@@ -128,7 +142,8 @@ const RASTER_ENTRIES: &[(&str, &str)] =
 pub fn twins() -> Vec<Twin> {
     let catalogue = Catalogue::built_in();
     let twin = |&(name, text): &(&str, &'static str)| {
-        Some(Twin { method: catalogue.find("WGSL", name).ok()?, text })
+        let method = catalogue.find("WGSL", name).ok()?;
+        Some(Twin { method, text, form: Form::default() })
     };
     TWINS.iter().filter_map(twin).collect()
 }
@@ -161,6 +176,43 @@ impl Path {
 }
 
 impl Twin {
+    /// The method's name, and the form if it is not WGSL.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.form {
+            Form::Wgsl => self.method.name().to_owned(),
+            Form::Vulkan => format!("{}/vulkan", self.method),
+        }
+    }
+
+    /// Its Vulkan form; none if it asks for no order.
+    #[must_use]
+    pub fn vulkan(self) -> Option<Self> {
+        let asks =
+            |text: String| Order::ALL.iter().any(|o| text.contains(&format!("fn {}", o.prefix())));
+        self.expanded().is_ok_and(asks).then_some(Self { form: Form::Vulkan, ..self })
+    }
+
+    /// What nothing guarantees of it, if its method is no race; empty if all is.
+    #[must_use]
+    pub fn not_guaranteed(&self) -> &'static str {
+        match self.form {
+            _ if self.method.contract().is_within_wgsl() => "",
+            Form::Wgsl => "not guaranteed by WGSL",
+            Form::Vulkan if self.locks() => "nothing guarantees that a lock's holder goes on",
+            Form::Vulkan => "",
+        }
+    }
+
+    /// How the checker calls the memory that it runs on.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        match self.form {
+            Form::Wgsl => Profile::Wgsl,
+            Form::Vulkan => Profile::Vulkan,
+        }
+    }
+
     /// Whether the twin defines a function.
     #[must_use]
     pub fn defines(&self, function: &str) -> bool {

@@ -34,8 +34,9 @@ pub struct Numbering {
 }
 
 impl Numbering {
-    /// The number of a word that does not exist.
-    pub const OUTSIDE: u32 = u32::MAX;
+    /// Numbers from here on stand for words that do not exist. There is one for each buffer that an access can miss:
+    /// 32 and 64-bit words of the frame, then of pixels.
+    const OUTSIDE: u32 = u32::MAX - 3;
 
     /// The words of a layout for this many pixels.
     #[must_use]
@@ -53,7 +54,7 @@ impl Numbering {
         Self::of(self.frame) + Self::of(self.pixel) * u64::from(self.pixels)
     }
 
-    /// The number of a word, or [`Self::OUTSIDE`].
+    /// The number of a word, or of what is outside of the buffer that it should be in.
     #[must_use]
     pub fn number(&self, address: Address) -> u32 {
         let (record, base) = match address.pixel {
@@ -67,7 +68,30 @@ impl Numbering {
             _ => (0, record.words32),
         };
         let inside = address.word < count && address.pixel.is_none_or(|pixel| pixel < self.pixels);
-        if inside { (base + first + address.word) as u32 } else { Self::OUTSIDE }
+        if inside {
+            return (base + first + address.word) as u32;
+        }
+        let (pixels, wide) = (address.pixel.is_some(), address.bits == 64);
+        Self::OUTSIDE + 2 * u32::from(pixels) + u32::from(wide)
+    }
+
+    /// Whether a number stands for a word that does not exist.
+    #[inline]
+    #[must_use]
+    pub fn is_outside(number: u32) -> bool {
+        number >= Self::OUTSIDE
+    }
+
+    /// The last word of the buffer that an access missed, by the number that it has: a robust device may clamp it to
+    /// that. `None` if the buffer has no words.
+    #[must_use]
+    pub fn end(&self, outside: u32) -> Option<u32> {
+        let buffer = outside.checked_sub(Self::OUTSIDE)?;
+        let (pixels, wide) = (buffer & 2 != 0, buffer & 1 != 0);
+        let record = if pixels { self.pixel } else { self.frame };
+        let word = if wide { record.words64 } else { record.words32 }.checked_sub(1)?;
+        let pixel = if pixels { Some(self.pixels.checked_sub(1)?) } else { None };
+        Some(self.number(Address { pixel, word, bits: if wide { 64 } else { 32 } }))
     }
 
     /// What a number stands for.
@@ -120,13 +144,34 @@ mod tests {
         for number in 0..numbering.count() as u32 {
             assert_eq!(numbering.number(numbering.address(number)), number);
         }
-        for address in [
-            Address { pixel: None, word: 3, bits: 32 },
-            Address { pixel: None, word: 2, bits: 64 },
-            Address { pixel: Some(0), word: 2, bits: 32 },
-            Address { pixel: Some(4), word: 0, bits: 32 },
+        let last = |pixel, word, bits| Address { pixel, word, bits };
+        for (address, end) in [
+            (last(None, 3, 32), last(None, 2, 32)),
+            (last(None, 2, 64), last(None, 1, 64)),
+            (last(Some(0), 2, 32), last(Some(3), 1, 32)),
+            (last(Some(4), 0, 32), last(Some(3), 1, 32)),
+            (last(Some(0), 1, 64), last(Some(3), 0, 64)),
         ] {
-            assert_eq!(numbering.number(address), Numbering::OUTSIDE, "{address:?}");
+            let number = numbering.number(address);
+            assert!(Numbering::is_outside(number), "{address:?}");
+            assert_eq!(numbering.end(number), Some(numbering.number(end)), "{address:?}");
         }
+    }
+
+    #[test]
+    fn a_buffer_without_words_has_no_end() {
+        let mut layout = Layout::default();
+        let _: Words<Pixel, Plain, u32> = layout.pixel(1);
+        let numbering = Numbering::new(&layout, 1);
+        for address in [
+            Address { pixel: None, word: 0, bits: 32 },
+            Address { pixel: None, word: 0, bits: 64 },
+            Address { pixel: Some(0), word: 0, bits: 64 },
+        ] {
+            let number = numbering.number(address);
+            assert!(Numbering::is_outside(number), "{address:?}");
+            assert_eq!(numbering.end(number), None, "{address:?}");
+        }
+        assert_eq!(numbering.end(0), None, "it is inside");
     }
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::gpu::check::conform;
 use crate::gpu::check::crosscheck::Options;
 use crate::gpu::check::open;
-use crate::gpu::check::stress;
+use crate::gpu::check::stress::{self, Stressed};
 use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::Failure;
 use crate::gpu::twin::source::Twin;
@@ -44,7 +44,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
                 let name = &opened.device.name;
                 let message = doing(name, twin);
                 let ran = || one(args, &opened.device, twin).map_err(|e| e.to_string());
-                add(name, twin.method.name(), wait::during(args.output.quiet, &message, ran));
+                add(name, &twin.name(), wait::during(args.output.quiet, &message, ran));
             }
         }
         devices.iter().map(|opened| opened.device.name.clone()).collect()
@@ -55,7 +55,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
                 let ran = wait::during(args.output.quiet, &doing(name, twin), || {
                     apart(args, name, twin)
                 })?;
-                add(name, twin.method.name(), ran);
+                add(name, &twin.name(), ran);
             }
         }
         names
@@ -81,7 +81,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
 type Ran = std::result::Result<Litmus, String>;
 
 fn doing(adapter: &AdapterName, twin: Twin) -> String {
-    format!("litmus pixels of {} on {}", twin.method, adapter.name)
+    format!("litmus pixels of {} on {}", twin.name(), adapter.name)
 }
 
 /// One method on one device.
@@ -100,6 +100,7 @@ fn apart(args: &Args, adapter: &AdapterName, twin: Twin) -> Result<Ran> {
     let mut arguments = vec!["crosscheck".to_owned(), "--litmus".to_owned()];
     arguments.extend(option("--worker", worker::named(adapter)));
     arguments.extend(option("--method", twin.method.name().to_owned()));
+    arguments.extend(option("--form", args.form.name().to_owned()));
     arguments.extend(option("--repeats", args.repeats.to_string()));
     arguments.extend(option("--limit", args.limit.to_string()));
     let mut process = Process::start(&arguments)?;
@@ -154,15 +155,56 @@ fn table<'a>(all: &Litmus, names: impl Iterator<Item = &'a AdapterName>) -> Stri
     }));
     text += "\nOne invocation at a time\n";
     text += &columns(&[Left, Left, Right, Right, Right, Right, Left], &lines);
-    let heading =
-        ["adapter", "method", "litmus", "runs", "possible", "seen", "relaxed", "outside", "status"];
+    let heading = [
+        "adapter",
+        "method",
+        "litmus",
+        "runs",
+        "possible",
+        "seen",
+        "sequential",
+        "relaxed",
+        "outside",
+        "status",
+    ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     lines.extend(all.stress.iter().map(|row| {
-        let counts = [row.instances, row.runs, row.possible, row.seen, row.relaxed, row.outside];
-        let counts = counts.map(|n| n.to_string());
+        let outcomes = [row.instances, row.runs, row.possible, row.seen];
+        let classes = [row.sequential, row.relaxed, row.outside];
+        let counts = [&outcomes[..], &classes].concat();
+        let counts = counts.iter().map(u64::to_string).collect();
         let status = status(row.status, &row.reason);
-        [vec![row.adapter.clone(), row.method.clone()], counts.to_vec(), vec![status]].concat()
+        [vec![row.adapter.clone(), row.method.clone()], counts, vec![status]].concat()
     }));
-    text += "\nMany copies at once: outcomes that interleavings can give, and outcomes observed\n";
-    text + &columns(&[Left, Left, Right, Right, Right, Right, Right, Right, Left], &lines)
+    text += "\nMany copies at once: outcomes that interleavings can give, and of these seen; runs by what explains \
+             their outcome\n";
+    let counted = [Right; 7];
+    text += &columns(&[&[Left, Left], &counted[..], &[Left]].concat(), &lines);
+    text + &weak(&all.stress)
+}
+
+/// Outcomes of no interleaving, one by one; nothing if there are none.
+fn weak(stress: &[Stressed]) -> String {
+    use Align::{Left, Right};
+    let heading = ["adapter", "method", "litmus pixel", "outcome", "runs", "class", "token"];
+    let mut lines = vec![heading.map(str::to_owned).to_vec()];
+    lines.extend(stress.iter().flat_map(|row| {
+        row.outcomes.iter().map(|outcome| {
+            let class = match outcome.complete {
+                true => outcome.class.name().to_owned(),
+                false => format!("{}, not all explored", outcome.class.name()),
+            };
+            let token = outcome.token.clone().unwrap_or_default();
+            let (adapter, method) = (row.adapter.clone(), row.method.clone());
+            let (litmus, held) = (outcome.litmus.clone(), outcome.outcome.clone());
+            vec![adapter, method, litmus, held, outcome.runs.to_string(), class, token]
+        })
+    }));
+    if lines.len() == 1 {
+        return String::new();
+    }
+    let rows = columns(&[Left, Left, Left, Left, Right, Left, Left], &lines);
+    format!(
+        "\nOutcomes of no interleaving; `fragloom replay TOKEN --trace` shows how relaxed memory gives one\n{rows}"
+    )
 }

@@ -41,8 +41,7 @@ pub(super) fn units(adapters: &[AdapterName], options: &Options) -> Vec<Unit> {
 
 impl Unit {
     fn blank(&self, subject: &Subject) -> Agreement {
-        let name = self.twin.method.name();
-        let row = blank(&self.adapter, name, &subject.name, self.path, subject.size);
+        let row = blank(&self.adapter, &self.twin.name(), &subject.name, self.path, subject.size);
         Agreement { asked: subject.asked.clone(), ..row }
     }
 
@@ -104,14 +103,14 @@ fn process(
     rows: &mut Rows<'_>,
 ) -> Result<Ended> {
     let mut process = Process::start(&arguments(args, unit, *at))?;
-    rows.ask(unit.twin.method)?;
+    rows.ask(unit.twin)?;
     let silence = Duration::from_secs(2 * args.limit + 5);
     let mut is_open = false;
     loop {
         let subject = subjects.get(*at);
         let message = match subject {
             Some(subject) => rows.doing(&unit.blank(subject)),
-            None => format!("ending {}", unit.twin.method),
+            None => format!("ending {}", unit.twin.name()),
         };
         let line = wait::during(args.output.quiet, &message, || process.next(silence));
         let (status, why) = match line {
@@ -152,6 +151,7 @@ fn arguments(args: &Args, unit: &Unit, from: usize) -> Vec<String> {
     option("--from", from.to_string());
     option("--method", unit.twin.method.name().to_owned());
     option("--path", unit.path.to_string());
+    option("--form", args.form.name().to_owned());
     option("--limit", args.limit.to_string());
     option("--seed", args.seed.to_string());
     let shuffled = args.order == FragmentOrder::Shuffled;

@@ -7,17 +7,17 @@ use super::report::Report;
 use super::table::Table;
 use crate::cli::terminal::{say, wait};
 use crate::error::Result;
-use crate::exec::Method;
-use crate::explore::{Prediction, Profile, Subject, predict};
+use crate::explore::{Prediction, Subject, predict};
 use crate::gpu::check::crosscheck::Agreement;
+use crate::gpu::twin::source::Twin;
 
 /// All rows so far.
 pub(super) struct Rows<'a> {
     pub(super) all: Vec<Agreement>,
     /// How many there will be.
     planned: usize,
-    /// By method.
-    expected: BTreeMap<&'static str, Prediction>,
+    /// By the twin's name.
+    expected: BTreeMap<String, Prediction>,
     report: Option<&'a mut Report>,
     table: Option<Table>,
     quiet: bool,
@@ -48,16 +48,16 @@ impl<'a> Rows<'a> {
         known.is_some()
     }
 
-    /// Ask the checker about a method, once.
+    /// Ask the checker about a twin, once.
     ///
     /// # Errors
     /// The method cannot be explored.
-    pub(super) fn ask(&mut self, method: Method) -> Result<()> {
-        let name = method.name();
-        if !self.expected.contains_key(name) {
-            let subject = Subject::new(method)?;
+    pub(super) fn ask(&mut self, twin: Twin) -> Result<()> {
+        let name = twin.name();
+        if !self.expected.contains_key(&name) {
+            let subject = Subject::new(twin.method)?;
             let message = format!("asking the checker about {name}");
-            let found = wait::during(self.quiet, &message, || predict(&subject, Profile::Wgsl));
+            let found = wait::during(self.quiet, &message, || predict(&subject, twin.profile()));
             self.expected.insert(name, found);
         }
         Ok(())
@@ -91,6 +91,6 @@ impl<'a> Rows<'a> {
 
     /// What the checker expects, by method.
     pub(super) fn expected(&self) -> impl Iterator<Item = (&str, &Prediction)> {
-        self.expected.iter().map(|(name, prediction)| (*name, prediction))
+        self.expected.iter().map(|(name, prediction)| (name.as_str(), prediction))
     }
 }

@@ -32,7 +32,7 @@ impl Table {
         let adapters: Vec<String> = adapters.iter().map(|one| one.name.clone()).collect();
         let most = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
         let adapter = most(&mut adapters.iter().map(|name| short(name, &adapters).len()));
-        let method = most(&mut options.twins.iter().map(|twin| twin.method.name().len()));
+        let method = most(&mut options.twins.iter().map(|twin| twin.name().len()));
         let scene = most(&mut subjects.iter().map(|subject| subject.asked.chars().count()));
         let size = most(&mut subjects.iter().map(|subject| size(subject.size).len()));
         let path = most(&mut options.paths.iter().map(|path| path.to_string().len()));
@@ -155,7 +155,7 @@ pub(super) fn summary(catalogue: &Catalogue, rows: &[Agreement]) -> String {
     ];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     let group = |row: &Agreement| {
-        let method = catalogue.find("-m", &row.method);
+        let method = catalogue.find("-m", row.method.trim_end_matches("/vulkan"));
         let fixed = method.is_ok_and(|method| method.contract().order_independent());
         (row.adapter.clone(), row.driver.clone(), !fixed, row.path)
     };

@@ -71,9 +71,9 @@ fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             let record = take(pixel);
-            unlock(pixel);
+            release_lock(pixel);
             outcome = POOL;
             if record != NONE {
                 memory.pages[record] = fragment.depth;

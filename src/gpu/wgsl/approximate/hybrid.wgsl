@@ -73,9 +73,9 @@ fn store(fragment: Fragment) -> u32 {
         inserted.outcome = MERGED;
     }
     for (var attempt = 0u; inserted.outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             inserted = insert(pixel, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            release_lock(pixel);
         }
     }
     if inserted.outcome == MERGED {

@@ -83,9 +83,9 @@ fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             outcome = insert(pixel, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            release_lock(pixel);
         }
     }
     return outcome;

@@ -33,15 +33,15 @@ fn clear(pixel: u32) {
 }
 
 // The node behind `previous`, or the first one if that is NONE.
-fn next_of(pixel: u32, previous: u32) -> u32 {
+fn acquire_next(pixel: u32, previous: u32) -> u32 {
     if previous == NONE {
         return atomicLoad(&pixels[pixel].head);
     }
-    return link_of(previous);
+    return acquire_link(previous);
 }
 
 // Put the node `own` between `previous` and `next`, if they are still neighbours.
-fn publish(pixel: u32, previous: u32, next: u32, own: u32) -> bool {
+fn release_own(pixel: u32, previous: u32, next: u32, own: u32) -> bool {
     if previous == NONE {
         return atomicCompareExchangeWeak(&pixels[pixel].head, next, own).exchanged;
     }
@@ -57,7 +57,7 @@ fn store(fragment: Fragment) -> u32 {
     var last = NONE;
     var futile = 0u;
     while futile < FUTILE {
-        let next = next_of(fragment.pixel, previous);
+        let next = acquire_next(fragment.pixel, previous);
         futile += u32(failed && next == last);
         failed = false;
         if next != NONE && !is_less(key, key_of_node(next)) {
@@ -75,7 +75,7 @@ fn store(fragment: Fragment) -> u32 {
                 set_key(own, key);
             }
             set_link(own, next);
-            if publish(fragment.pixel, previous, next, complete(fragment.pixel, own)) {
+            if release_own(fragment.pixel, previous, next, complete(fragment.pixel, own)) {
                 return KEPT;
             }
             failed = true;

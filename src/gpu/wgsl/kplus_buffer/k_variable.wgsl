@@ -145,14 +145,14 @@ fn store(fragment: Fragment) -> u32 {
         return CULLED;
     }
     let range = placed(pixel);
-    if atomicLoad(&pixels[pixel].counter) == k && fragment.depth > farthest_of(range.start) {
+    if acquire_count(pixel) == k && fragment.depth > farthest_of(range.start) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             outcome = insert(pixel, range, k, key_of(fragment));
-            unlock(pixel);
+            release_lock(pixel);
         }
     }
     return outcome;

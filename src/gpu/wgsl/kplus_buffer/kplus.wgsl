@@ -48,12 +48,22 @@ fn replace(pixel: u32, key: Key) {
     }
 }
 
+// Read without the lock, before the farthest depth.
+fn acquire_count(pixel: u32) -> u32 {
+    return atomicLoad(&pixels[pixel].counter);
+}
+
+// Written after the record that it counts.
+fn release_count(pixel: u32, count: u32) {
+    atomicStore(&pixels[pixel].counter, count);
+}
+
 // Under the lock.
 fn insert(pixel: u32, key: Key) -> u32 {
     let count = atomicLoad(&pixels[pixel].counter);
     if count < K {
         append(pixel, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
+        release_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(pixel, 0u)) {
@@ -65,14 +75,14 @@ fn insert(pixel: u32, key: Key) -> u32 {
 
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+    if acquire_count(pixel) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             outcome = insert(pixel, key_of(fragment));
-            atomicStore(&pixels[pixel].lock, FREE);
+            release_lock(pixel);
         }
     }
     return outcome;

@@ -25,12 +25,17 @@ fn clear(pixel: u32) {
     atomicStore(&pixels[pixel].counter, 0u);
 }
 
+// Read without the lock, before the farthest depth.
+fn acquire_count(pixel: u32) -> u32 {
+    return atomicLoad(&pixels[pixel].counter);
+}
+
 // Under the lock.
 fn insert(pixel: u32, key: Key) -> u32 {
     let count = count_of(pixel);
     if count < K {
         heap_append(pixel, count, key);
-        set_count(pixel, count + 1u);
+        release_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(pixel, 0u)) {
@@ -43,14 +48,14 @@ fn insert(pixel: u32, key: Key) -> u32 {
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     // Of equal depths, the data word decides, which only the lock's holder may read.
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > farthest_of(pixel) {
+    if acquire_count(pixel) == K && fragment.depth > farthest_of(pixel) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             outcome = insert(pixel, key_of(fragment));
-            unlock(pixel);
+            release_lock(pixel);
         }
     }
     return outcome;

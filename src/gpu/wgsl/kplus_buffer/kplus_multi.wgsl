@@ -56,12 +56,22 @@ fn clear(pixel: u32) {
     begin_round(pixel, Key(0u, 0u), 0u);
 }
 
+// Read without the lock, before the farthest depth.
+fn acquire_count(pixel: u32) -> u32 {
+    return atomicLoad(&pixels[pixel].counter);
+}
+
+// Written after the record that it counts.
+fn release_count(pixel: u32, count: u32) {
+    atomicStore(&pixels[pixel].counter, count);
+}
+
 // Under the lock.
 fn insert(pixel: u32, key: Key) {
     let count = atomicLoad(&pixels[pixel].counter);
     if count < K {
         array_append(pixel, count, key);
-        atomicStore(&pixels[pixel].counter, count + 1u);
+        release_count(pixel, count + 1u);
     } else if is_less(key, entry(pixel, 0u)) {
         array_replace(pixel, K, key);
     }
@@ -78,15 +88,15 @@ fn store(fragment: Fragment) -> u32 {
     if is_less(key, begin) {
         return KEPT;
     }
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+    if acquire_count(pixel) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
         return KEPT;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             insert(pixel, key);
             outcome = KEPT;
-            atomicStore(&pixels[pixel].lock, FREE);
+            release_lock(pixel);
         }
     }
     return outcome;

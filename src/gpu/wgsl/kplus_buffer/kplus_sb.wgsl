@@ -75,14 +75,14 @@ fn frame(number: u32, index: u32) {
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     let range = range_of(pixel);
-    if atomicLoad(&pixels[pixel].counter) == K && fragment.depth > farthest_of(range.start) {
+    if acquire_count(pixel) == K && fragment.depth > farthest_of(range.start) {
         return CULLED;
     }
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             outcome = insert(pixel, range, K, key_of(fragment));
-            unlock(pixel);
+            release_lock(pixel);
         }
     }
     return outcome;

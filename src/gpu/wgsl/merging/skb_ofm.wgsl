@@ -139,10 +139,10 @@ fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
     var outcome = STUCK;
     for (var attempt = 0u; outcome == STUCK && attempt < PATIENCE; attempt++) {
-        if atomicExchange(&pixels[pixel].lock, TAKEN) == FREE {
+        if acquire_lock(pixel) {
             insert(pixel, alone(fragment.extra, fragment.depth, fragment.data));
             outcome = KEPT;
-            atomicStore(&pixels[pixel].lock, FREE);
+            release_lock(pixel);
         }
     }
     return outcome;

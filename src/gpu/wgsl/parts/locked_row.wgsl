@@ -26,12 +26,17 @@ fn replace(range: Range, k: u32, key: Key) {
     }
 }
 
+// Read without the lock, before the farthest depth.
+fn acquire_count(pixel: u32) -> u32 {
+    return atomicLoad(&pixels[pixel].counter);
+}
+
 // Under the lock.
 fn insert(pixel: u32, range: Range, k: u32, key: Key) -> u32 {
     let count = count_of(pixel);
     if count < k {
         append(range, k, count, key);
-        set_count(pixel, count + 1u);
+        release_count(pixel, count + 1u);
         return KEPT;
     }
     if !is_less(key, entry(range.start, 0u)) {

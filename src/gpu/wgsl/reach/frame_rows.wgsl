@@ -28,10 +28,7 @@ fn count_of(pixel: u32) -> u32 {
     return atomicLoad(&pixels[pixel].counter);
 }
 
-fn set_count(pixel: u32, count: u32) {
+// Written after the record that it counts.
+fn release_count(pixel: u32, count: u32) {
     atomicStore(&pixels[pixel].counter, count);
-}
-
-fn unlock(pixel: u32) {
-    atomicStore(&pixels[pixel].lock, FREE);
 }

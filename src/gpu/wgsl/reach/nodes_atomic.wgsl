@@ -23,7 +23,7 @@ fn set_key(node: u32, key: Key) {
     atomicStore(&nodes.data[node], key.x);
 }
 
-fn link_of(node: u32) -> u32 {
+fn acquire_link(node: u32) -> u32 {
     return atomicLoad(&nodes.links[node]);
 }
 

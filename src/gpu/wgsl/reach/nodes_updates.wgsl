@@ -27,7 +27,7 @@ fn set_key(node: u32, key: Key) {
     got(atomicExchange(&nodes.data[node], key.x));
 }
 
-fn link_of(node: u32) -> u32 {
+fn acquire_link(node: u32) -> u32 {
     return got(atomicOr(&nodes.links[node], 0u));
 }
 

@@ -33,7 +33,3 @@ fn settled_count(pixel: u32) -> u32 {
 fn settled_page(pixel: u32) -> u32 {
     return atomicLoad(&pixels[pixel].page);
 }
-
-fn unlock(pixel: u32) {
-    atomicStore(&pixels[pixel].lock, FREE);
-}

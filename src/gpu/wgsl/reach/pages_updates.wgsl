@@ -36,7 +36,3 @@ fn settled_count(pixel: u32) -> u32 {
 fn settled_page(pixel: u32) -> u32 {
     return atomicLoad(&pixels[pixel].page);
 }
-
-fn unlock(pixel: u32) {
-    atomicExchange(&pixels[pixel].lock, FREE | (given & never(pixel)));
-}

@@ -31,10 +31,7 @@ fn count_of(pixel: u32) -> u32 {
     return got(atomicOr(&pixels[pixel].counter, 0u));
 }
 
-fn set_count(pixel: u32, count: u32) {
+// Written after the record that it counts.
+fn release_count(pixel: u32, count: u32) {
     got(atomicExchange(&pixels[pixel].counter, count));
-}
-
-fn unlock(pixel: u32) {
-    atomicExchange(&pixels[pixel].lock, FREE | (given & never(pixel)));
 }
