@@ -53,6 +53,9 @@ fn bad_input_is_one_line() {
         ("crosscheck --path both", &["--path", "raster", "compute"]),
         ("crosscheck --order sorted", &["--order", "shuffled"]),
         ("crosscheck --litmus --repeats 0", &["--repeats:", "at least 1"]),
+        ("crosscheck --litmus --tune 0", &["--tune", "1 to 10000"]),
+        ("crosscheck --litmus --stress apart=1", &["--stress:", "apart=64"]),
+        ("crosscheck --stress apart=1", &["--litmus"]),
         ("crosscheck missing.obj", &["missing.obj"]),
         ("bench --repeats 0", &["--repeats:", "1 to 1000"]),
         ("bench --thickness thin", &["--thickness:", "\"thin\"", "10x"]),
@@ -201,4 +204,37 @@ fn litmus_pixels_are_run_apart() {
     };
     assert_eq!(runs(&apart), runs(&here));
     assert_eq!(runs(&apart).len(), all.len());
+}
+
+/// Contention that was found is contention that can be given.
+#[test]
+fn contention_is_searched_for() {
+    let dir = Dir::new();
+    let all = adapters(&dir, "contention");
+    if all.is_empty() {
+        return;
+    }
+    let line = "crosscheck --litmus --tune 2 --repeats 1 --seed 5";
+    let run = dir.run(&format!("{line} --json"));
+    assert_eq!(run.code, 0, "{run:?}");
+    let tried = rows(&run);
+    assert_eq!(tried.len(), 3 * all.len());
+    for row in &tried {
+        assert_eq!(row["runs"], 2 * 3 * 4_096, "{row}");
+        assert!(row["wrong"].as_u64() < row["runs"].as_u64(), "{row}");
+    }
+    // Each adapter's first row has the fixed orders, and the others the same settings.
+    assert_eq!(tried[0]["pressure"], Value::Null);
+    let settings = |row: usize| tried[row]["pressure"].clone();
+    assert!(settings(1).is_object() && settings(1) != settings(2));
+    assert!((0..tried.len()).all(|row| settings(row) == settings(row % 3)), "{tried:?}");
+    let of = |field: &str| settings(1)[field].to_string();
+    let [apart, group, hammer, burst] = ["apart", "group", "hammer", "burst"].map(of);
+    let stress = format!("apart={apart},group={group},hammer={hammer},burst={burst}");
+    let line = "crosscheck --litmus --repeats 1 -m kplus-array";
+    let run = dir.run(&format!("{line} --stress {stress} --json"));
+    assert_eq!(run.code, 0, "{run:?}");
+    for row in run.json()["stress"].as_array().unwrap() {
+        assert_eq!((&row["outside"], &row["wrong"]), (&0.into(), &0.into()), "{row}");
+    }
 }

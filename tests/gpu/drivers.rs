@@ -298,7 +298,7 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
             // Slabs have many more litmus pixels; `crosscheck --litmus` runs all of them.
             let (fragments, instances) =
                 if method.contains("+ofm") { (2, 64) } else { (3, usize::MAX) };
-            let extent = stress::Extent { fragments, repeats: 1, instances };
+            let extent = stress::Extent { fragments, repeats: 1, instances, pressure: None };
             let twin = twin(method);
             let found = stress(&opened.device, twin, extent).expect("a device");
             if twin.needs_atomics64() && !opened.device.atomics64 {
@@ -311,7 +311,7 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
         }
         for (method, fragments) in [("kplus-array", 3), ("skb+ofm", 2)] {
             let unlocked = mutant(method, "if acquire_lock(pixel)", "if true");
-            let extent = stress::Extent { fragments, repeats: 1, instances: 64 };
+            let extent = stress::Extent { fragments, repeats: 1, instances: 64, pressure: None };
             let found = stress(&opened.device, unlocked, extent).expect("a device");
             assert!(found.outside + found.relaxed > 0, "{found:?}");
         }

@@ -286,7 +286,8 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
     for opened in all("litmus pixels of Vulkan forms") {
         for method in ["kplus-array", "kb-ll", "ab-ll-paged"] {
             let twin = twin(method).vulkan().expect("orders");
-            let extent = stress::Extent { fragments: 3, repeats: 1, instances: usize::MAX };
+            let extent =
+                stress::Extent { fragments: 3, repeats: 1, instances: usize::MAX, pressure: None };
             let found = stress(&opened.device, twin, extent).expect("a device");
             assert_eq!(found.status == Status::Unsupported, !opened.device.spirv, "{found:?}");
             if keeps_orders(&opened) {

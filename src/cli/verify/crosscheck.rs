@@ -11,6 +11,7 @@ mod report;
 mod rows;
 mod table;
 mod tabulate;
+mod tune;
 mod worker;
 
 use std::path::PathBuf;
@@ -69,7 +70,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_enum, value_name = "ORDER", default_value = "shuffled")]
     order: FragmentOrder,
 
-    /// Seed of `--order shuffled`, 64 bits
+    /// Seed of `--order shuffled`, or of `--tune`, 64 bits
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
@@ -79,7 +80,7 @@ pub(in crate::cli) struct Args {
 
     /// Run the litmus pixels instead: one invocation at a time, memory compared word for word with the simulator's;
     /// then thousands of copies at once, their outcomes counted against all that interleavings allow
-    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "seed", "sizes", "quick", "k", "thickness"])]
+    #[arg(long, conflicts_with_all = ["scenes", "path", "order", "sizes", "quick", "k", "thickness"])]
     litmus: bool,
 
     /// With `--litmus`, how often each litmus pixel's copies are run, in each of three orders
@@ -91,6 +92,22 @@ pub(in crate::cli) struct Args {
         allow_negative_numbers = true
     )]
     repeats: u64,
+
+    /// With `--litmus`, how copies are put under contention, as `--tune` prints it: apart=A,group=G,hammer=H,burst=B
+    /// [default: three fixed orders]
+    #[arg(long, value_name = "SETTINGS", requires = "litmus")]
+    stress: Option<String>,
+
+    /// With `--litmus`, try N settings of `--stress` at random, by `--seed`, and say which make `kb` lose fragments most
+    /// often
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "litmus",
+        conflicts_with = "stress",
+        allow_negative_numbers = true
+    )]
+    tune: Option<u32>,
 
     /// Small pictures: 157x101
     #[arg(long, conflicts_with = "sizes")]
@@ -178,6 +195,9 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         return Err(Error::new("--limit", format!("is {}, and must be 1 to 3600", args.limit)));
     }
     let options = options(catalogue, args)?;
+    if let Some(count) = args.tune {
+        return tune::run(catalogue, args, count);
+    }
     if args.litmus {
         return match &args.worker {
             Some(name) => litmus::work(args, &options, name),

@@ -7,6 +7,7 @@ pub mod crosscheck;
 pub mod double;
 pub mod open;
 pub mod outcomes;
+pub mod pressure;
 pub mod race;
 mod seen;
 pub mod stress;

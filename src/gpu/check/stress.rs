@@ -1,5 +1,5 @@
 //! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
-//! together or far apart. The outcomes are counted against every outcome that the explorer finds, and others explained
+//! together or far apart, or under [`pressure`](super::pressure). The outcomes are counted against every outcome that the explorer finds, and others explained
 //! one by one ([`outcomes`](super::outcomes)).
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::crosscheck::{Status, holding};
 use super::outcomes::{self, Class, Outcome, Possible};
+use super::pressure::Pressure;
 use crate::exec::clock::Stopwatch;
 use crate::explore::Subject;
 use crate::explore::program::litmus::Litmus;
@@ -52,11 +53,13 @@ pub struct Extent {
     pub repeats: u64,
     /// About how many instances are run at most, evenly chosen.
     pub instances: usize,
+    /// Instead of three fixed orders, three with these settings.
+    pub pressure: Option<Pressure>,
 }
 
 impl Default for Extent {
     fn default() -> Self {
-        Self { fragments: 3, repeats: 4, instances: usize::MAX }
+        Self { fragments: 3, repeats: 4, instances: usize::MAX, pressure: None }
     }
 }
 
@@ -79,6 +82,8 @@ pub struct Stressed {
     pub possible: u64,
     /// Those of them that were observed.
     pub seen: u64,
+    /// Runs after which the pixel did not hold what it must, of a method that keeps a list that arrival does not decide.
+    pub wrong: u64,
     /// Runs whose outcome an interleaving gives.
     pub sequential: u64,
     /// Runs whose outcome is that of no interleaving, but which relaxed memory allows.
@@ -113,6 +118,7 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         runs: 0,
         possible: 0,
         seen: 0,
+        wrong: 0,
         sequential: 0,
         relaxed: 0,
         outside: 0,
@@ -155,6 +161,12 @@ pub fn stress(device: &Device, twin: Twin, extent: Extent) -> Result<Stressed> {
         watch.lap(RUNS);
         match ran {
             Ok(others) => {
+                let mut right = litmus.generated(0);
+                contract.keep(&mut right, litmus.k);
+                let right = tally.get(&Held::Keys(right)).copied();
+                let all = 3 * extent.repeats * u64::from(COPIES);
+                let right = right.filter(|_| !contract.is_arrival_dependent());
+                sum.wrong += right.map_or(0, |right| all - right);
                 for ((held, beyond), runs) in others {
                     sum.outcomes.push(possible.explain(&held, beyond, runs)?);
                 }
@@ -264,11 +276,20 @@ fn run(
         _ => ROOM * n,
     };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
+    if let Some(pressure) = &extent.pressure {
+        program.press(pressure.hammer, pressure.burst)?;
+    }
     let mut others = BTreeMap::new();
     let mut fill = true;
     for repeat in 0..extent.repeats {
-        for order in [Arrangement::Together, Arrangement::Apart, Arrangement::Shuffled] {
-            let fragments = order.arrange(contract, litmus, repeat);
+        for (number, order) in (0..).zip(Arrangement::ALL) {
+            let fragments = match &extent.pressure {
+                Some(pressure) => {
+                    let own: Vec<Fragment> = litmus.fragments(contract).collect();
+                    pressure.arrange(&own, COPIES, 3 * repeat + number)
+                }
+                None => order.arrange(contract, litmus, repeat),
+            };
             // The explorer tries both wherever a word is read that was never written.
             program.fill(if fill { 0 } else { u8::MAX });
             fill = !fill;
@@ -349,6 +370,8 @@ enum Arrangement {
 }
 
 impl Arrangement {
+    const ALL: [Self; 3] = [Self::Together, Self::Apart, Self::Shuffled];
+
     fn arrange(self, contract: &Contract, litmus: &Litmus, seed: u64) -> Vec<Fragment> {
         let own: Vec<Fragment> = litmus.fragments(contract).collect();
         let on = |pixel: u32| move |f: &Fragment| Fragment { pixel, ..*f };

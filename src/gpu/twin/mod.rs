@@ -5,6 +5,7 @@ pub mod band;
 pub mod bounds;
 mod code;
 pub mod expected;
+pub mod hammer;
 pub mod light;
 pub mod merged;
 pub mod picture;

@@ -7,6 +7,7 @@ use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
 use super::bounds;
 use super::code::Code;
+use super::hammer::Hammer;
 use super::light;
 use super::shape::{FRAGMENT, SPARE, Shape, Words, words_of};
 use super::source::{Constants, Path, Twin};
@@ -128,6 +129,10 @@ pub struct Program<'d> {
     code: Code,
     /// Invocations that gave up waiting and were rerun.
     again: Cell<u64>,
+    /// What runs beside geometry passes.
+    hammer: RefCell<Option<Hammer>>,
+    /// Invocations of a dispatch of a geometry pass, if not as many as there may be.
+    burst: Cell<Option<usize>>,
     /// The compiled passes, by entry point and overrides.
     passes: RefCell<BTreeMap<String, Dispatch>>,
 }
@@ -187,6 +192,7 @@ impl<'d> Program<'d> {
         let code = Code::new(device, twin, &twin.module(&constants, Path::Compute)?)?;
         let passes = RefCell::default();
         let again = Cell::default();
+        let (hammer, burst) = Default::default();
         Ok(Self {
             device,
             twin,
@@ -198,6 +204,8 @@ impl<'d> Program<'d> {
             words_group,
             code,
             again,
+            hammer,
+            burst,
             passes,
         })
     }
@@ -206,6 +214,17 @@ impl<'d> Program<'d> {
     #[must_use]
     pub fn again(&self) -> u64 {
         self.again.get()
+    }
+
+    /// Put geometry passes under pressure: so many workgroups beside them, and so many invocations in a dispatch.
+    ///
+    /// # Errors
+    /// Any error of the device.
+    pub fn press(&self, hammer: u32, burst: u32) -> Result<()> {
+        let made = (hammer > 0).then(|| Hammer::new(self.device, hammer)).transpose()?;
+        *self.hammer.borrow_mut() = made;
+        self.burst.set(Some(burst.max(1) as usize));
+        Ok(())
     }
 
     /// A compute pass: an entry point of the module, and its second group, if it has one. It is compiled once.
@@ -370,6 +389,7 @@ impl<'d> Program<'d> {
     /// Any error of the device; or an invocation that waits forever.
     pub fn compute(&self, function: &str, fragments: &[Fragment]) -> Result<()> {
         let chunk = if self.twin.waits() { WAITING_CHUNK } else { CHUNK };
+        let chunk = self.burst.get().map_or(chunk, |burst| burst.min(chunk));
         fragments.chunks(chunk).try_for_each(|chunk| {
             self.invoke(function, chunk.iter().map(words_of).collect())?;
             Ok(())
@@ -411,6 +431,9 @@ impl<'d> Program<'d> {
         let (group, pass) =
             self.fragments_group(buffer, 0, FRAGMENT * words.len() as u64, &entry)?;
         let mut encoder = self.device.encoder();
+        if let Some(hammer) = &*self.hammer.borrow() {
+            hammer.dispatch(&mut encoder);
+        }
         self.dispatch(&mut encoder, &pass, Some(&group.group), words.len() as u64);
         self.device.submit(encoder)
     }

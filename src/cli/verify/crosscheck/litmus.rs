@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::gpu::check::conform;
 use crate::gpu::check::crosscheck::Options;
 use crate::gpu::check::open;
+use crate::gpu::check::pressure::Pressure;
 use crate::gpu::check::stress::{self, Stressed};
 use crate::gpu::driver::device::{AdapterName, Device};
 use crate::gpu::driver::failure::Failure;
@@ -29,6 +30,7 @@ pub(in crate::cli) fn run(args: &Args, options: &Options) -> Result<Verdict> {
     if args.repeats == 0 {
         return Err(Error::new("--repeats", "is 0, but must be at least 1"));
     }
+    pressure(args)?;
     let (mut all, mut failures) = (Litmus::default(), Vec::new());
     let mut add = |adapter: &AdapterName, method: &str, ran: Ran| match ran {
         Ok(ran) => {
@@ -84,9 +86,15 @@ fn doing(adapter: &AdapterName, twin: Twin) -> String {
     format!("litmus pixels of {} on {}", twin.name(), adapter.name)
 }
 
+/// The contention that was typed.
+fn pressure(args: &Args) -> Result<Option<Pressure>> {
+    args.stress.as_deref().map(|text| Pressure::parse("--stress", text)).transpose()
+}
+
 /// One method on one device.
 fn one(args: &Args, device: &Device, twin: Twin) -> std::result::Result<Litmus, Failure> {
-    let extent = stress::Extent { repeats: args.repeats, ..stress::Extent::default() };
+    let (repeats, pressure) = (args.repeats, pressure(args)?);
+    let extent = stress::Extent { repeats, pressure, ..stress::Extent::default() };
     let conformance = vec![conform::conform(device, twin, conform::Extent::default())?];
     Ok(Litmus { conformance, stress: vec![stress::stress(device, twin, extent)?] })
 }
@@ -103,6 +111,9 @@ fn apart(args: &Args, adapter: &AdapterName, twin: Twin) -> Result<Ran> {
     arguments.extend(option("--form", args.form.name().to_owned()));
     arguments.extend(option("--repeats", args.repeats.to_string()));
     arguments.extend(option("--limit", args.limit.to_string()));
+    if let Some(pressure) = &args.stress {
+        arguments.extend(option("--stress", pressure.clone()));
+    }
     let mut process = Process::start(&arguments)?;
     let silence = Duration::from_secs(2 * args.limit + EXPLORING);
     loop {
