@@ -99,7 +99,7 @@ pub(in crate::cli) struct Args {
     stress: Option<String>,
 
     /// With `--litmus`, try N settings of `--stress` at random, by `--seed`, and say which make `kb` lose fragments most
-    /// often
+    /// often [default: none]
     #[arg(
         long,
         value_name = "N",
@@ -122,19 +122,19 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 60, allow_negative_numbers = true)]
     limit: u64,
 
-    /// Write every row to this file as it finishes, as lines of JSON
+    /// Write every row to this file as it finishes, as lines of JSON [default: none]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["litmus", "resume"])]
     report: Option<PathBuf>,
 
-    /// Go on where the run that wrote this report was cut: rows that it has are not run again
+    /// Go on where the run that wrote this report was cut: rows that it has are not run again [default: none]
     #[arg(long, value_name = "FILE", conflicts_with = "litmus")]
     resume: Option<PathBuf>,
 
-    /// Run nothing; print what these reports say, as a page in Markdown
+    /// Run nothing; print what these reports say, as a page in Markdown [default: none]
     #[arg(long, value_name = "FILE,...", value_delimiter = ',', exclusive = true)]
     tabulate: Vec<PathBuf>,
 
-    /// Be the process that runs one method on one path of this adapter
+    /// Be the process that runs one method on one path of this adapter [default: none]
     #[arg(long, hide = true, value_name = "NAME")]
     worker: Option<String>,
 
@@ -142,7 +142,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, hide = true, value_name = "N", default_value_t = 0)]
     from: usize,
 
-    /// Instead of adapters, a double that fails as it is told
+    /// Instead of adapters, a double that fails as it is told [default: none]
     #[arg(
         long,
         hide = true,

@@ -211,6 +211,11 @@ mod tests {
             "adaptive@keeps-last",
             "stochastic@depth",
             "blend-unsorted",
+            "kb-ll@rmw",
+            "kplus-array@rmw",
+            "kplus-heap@rmw",
+            "kplus-sb@atomic",
+            "kplus-sb@rmw",
         ];
         assert_eq!(left_out, if most.is_some() { vec![] } else { large.to_vec() });
     }

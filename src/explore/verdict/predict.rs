@@ -206,9 +206,17 @@ mod tests {
     /// Too few states are no verdict, and are not counted as explored.
     #[test]
     fn what_was_not_explored_is_not_expected() {
-        assert_eq!(of("kb-mdt64", Profile::Wgsl, 1).expects, Expects::Unknown);
-        let some = of("kb-mdt64", Profile::Wgsl, 200);
-        assert_eq!(some.expects, Expects::Equal);
-        assert!((1..FRAGMENTS).contains(&some.fragments), "{some:?}");
+        let found: Vec<Prediction> = [1, 4, 8, 16, 32, 64, 128, STATES]
+            .into_iter()
+            .map(|states| of("kb-mdt64", Profile::Wgsl, states))
+            .collect();
+        assert!(found.is_sorted_by_key(|one| one.fragments), "{found:?}");
+        for one in &found {
+            let expects = if one.fragments > 0 { Expects::Equal } else { Expects::Unknown };
+            assert_eq!(one.expects, expects, "{one:?}");
+        }
+        let ends = [found.first(), found.last()].map(|one| one.map(|one| one.fragments));
+        assert_eq!(ends, [Some(0), Some(FRAGMENTS)], "{found:?}");
+        assert!(found.iter().any(|one| (1..FRAGMENTS).contains(&one.fragments)), "{found:?}");
     }
 }
