@@ -11,7 +11,7 @@ use fragloom::scene::{Projection, Scene};
 use fragloom::scheme::approximate::Approximation;
 use fragloom::scheme::approximate::wboit::Weight;
 
-use super::drivers::{all, methods, turn, twin};
+use super::drivers::{all, alone, methods, turn, twin};
 use super::mutants::mutant;
 use super::support::{scene, small_scenes};
 
@@ -99,13 +99,13 @@ fn words_and_colors_are_equal() {
 
 #[test]
 fn scenes_find_changed_twins() {
-    let _turn = turn();
+    let _turn = alone();
     let scenes = [scene("synthetic:n=14,tessellation=3", [40, 28]), opaque(), parallel()];
     let mutants = [
         mutant("mlab", "   last = carried;", "   last = node;"),
         mutant("mlab", "merged(last, carried)", "merged(carried, last)"),
         mutant("mlab", "through(over(node.behind, next.key.x), next.behind)", "node.behind"),
-        mutant("mlab", "TAKEN) == FREE", "TAKEN) < 2u"),
+        mutant("mlab", "if acquire_lock(pixel)", "if acquire_lock(pixel) || true"),
         mutant("mlab", "pixels[pixel].count = 0u", "pixels[pixel].count = 1u"),
         mutant_part("mlab", "ray", "32512u", "65024u"),
         mutant_part("mlab", "ray", "(255u - alpha)", "(254u - alpha)"),

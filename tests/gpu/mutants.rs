@@ -9,7 +9,7 @@ use fragloom::gpu::twin::resolve::draw;
 use fragloom::gpu::twin::shape::{Shape, constants};
 use fragloom::gpu::twin::source::Twin;
 
-use super::drivers::{all, crosscheck, turn, twin};
+use super::drivers::{all, alone, crosscheck, turn, twin};
 use super::merging::mutant_part;
 use super::support::scene;
 
@@ -22,7 +22,7 @@ pub(super) fn mutant(method: &str, from: &str, to: &str) -> Twin {
 }
 
 /// A twin with one change in a part that it includes.
-fn mutant_in(method: &str, part: &str, from: &str, to: &str) -> Twin {
+pub(super) fn mutant_in(method: &str, part: &str, from: &str, to: &str) -> Twin {
     let twin = twin(method);
     let file = format!("{}/src/gpu/wgsl/{part}.wgsl", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).expect("a part");
@@ -34,14 +34,14 @@ fn mutant_in(method: &str, part: &str, from: &str, to: &str) -> Twin {
 
 #[test]
 fn conformance_finds_changed_twins() {
-    let _turn = turn();
+    let _turn = alone();
     let mutants = [
         mutant("ab-ll", "nodes.links[node] = ", "nodes.links[0] = "),
         mutant("ab-array", "return KEPT", "return CULLED"),
         mutant("kplus-array", "array_append(pixel, count, key)", "put(pixel, count, key)"),
         mutant("s-buffer", "sum_up(number, index)", "sum_up(number, 0u)"),
         mutant("kb", "is_less", "!is_less"),
-        mutant("kb-ll", "!is_less(key, keys[next])", "is_less(keys[next], key)"),
+        mutant("kb-ll", "!is_less(key, key_of_node(next))", "is_less(key_of_node(next), key)"),
         mutant("skb+ofm", "count -= 1u", "count -= 0u"),
         mutant("skb+ofm", "< min(depth, own.depth)", "<= min(depth, own.depth)"),
         mutant("skb+ofm", "first = second", "first = first"),

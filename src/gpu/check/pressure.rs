@@ -4,9 +4,13 @@
 //! for memory consistency specifications" (ASPLOS 2023: many instances at once, tuned).
 
 use serde::{Deserialize, Serialize};
+use wgpu::{BufferUsages, ShaderStages};
 
 use crate::error::{Error, Result};
 use crate::fragment::Fragment;
+use crate::gpu::driver::device::Device;
+use crate::gpu::driver::failure::Failure;
+use crate::gpu::twin::program::{Beside, Bound, Group, WRITABLE, group};
 use crate::num::random::Random;
 
 /// Settings. It prints as it is parsed: `apart=64,group=1,hammer=0,burst=65536`.
@@ -64,6 +68,17 @@ impl Pressure {
         if fits { Ok(Self { apart, group, hammer, burst }) } else { Err(wrong()) }
     }
 
+    /// What loads the memory system, if anything does.
+    pub(super) fn beside(
+        &self,
+        device: &Device,
+    ) -> std::result::Result<Option<Box<dyn Beside>>, Failure> {
+        if self.hammer == 0 {
+            return Ok(None);
+        }
+        Ok(Some(Box::new(Hammer::new(device, self.hammer)?)))
+    }
+
     /// The invocations of so many copies of a pixel with these fragments.
     #[must_use]
     pub fn arrange(&self, own: &[Fragment], copies: u32, seed: u64) -> Vec<Fragment> {
@@ -88,6 +103,55 @@ impl std::fmt::Display for Pressure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { apart, group, hammer, burst } = self;
         write!(f, "apart={apart},group={group},hammer={hammer},burst={burst}")
+    }
+}
+
+/// Bytes that are hammered: more than a first-level cache has.
+const SCRATCH: u64 = 1 << 20;
+
+/// Invocations that do nothing but load the memory system.
+#[derive(Debug)]
+pub(super) struct Hammer {
+    workgroups: u32,
+    group: Group,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl Hammer {
+    /// One with so many workgroups.
+    ///
+    /// # Errors
+    /// Any error of the device.
+    pub(super) fn new(device: &Device, workgroups: u32) -> std::result::Result<Self, Failure> {
+        let scratch = device.buffer("scratch", SCRATCH, BufferUsages::STORAGE)?;
+        let (binding, part, kind, stages) = (0, None, WRITABLE, ShaderStages::COMPUTE);
+        let group = group(device, &[Bound { binding, buffer: &scratch, part, kind, stages }])?;
+        let module = device.module("hammer", include_str!("../wgsl/pass/hammer.wgsl"))?;
+        let device = (device, &device.device);
+        let layout = device.1.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("hammer"),
+            bind_group_layouts: &[Some(&group.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.1.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("hammer"),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("hammer"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        device.0.check()?;
+        Ok(Self { workgroups, group, pipeline })
+    }
+}
+
+impl Beside for Hammer {
+    fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        compute.set_pipeline(&self.pipeline);
+        compute.set_bind_group(0, &self.group.group, &[]);
+        compute.dispatch_workgroups(self.workgroups, 1, 1);
     }
 }
 

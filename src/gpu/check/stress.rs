@@ -1,6 +1,6 @@
 //! Race litmus pixels on a device: many copies at once, many times, in orders that bring a pixel's fragments close
 //! together or far apart, or under [`pressure`](super::pressure). The outcomes are counted against every outcome that the explorer finds, and others explained
-//! one by one ([`outcomes`](super::outcomes)).
+//! one by one ([`outcomes`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -277,7 +277,7 @@ fn run(
     };
     let starts: Vec<u32> = (0..=COPIES).map(|pixel| pixel * room).collect();
     if let Some(pressure) = &extent.pressure {
-        program.press(pressure.hammer, pressure.burst)?;
+        program.press(pressure.beside(program.device)?, pressure.burst);
     }
     let mut others = BTreeMap::new();
     let mut fill = true;

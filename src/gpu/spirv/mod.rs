@@ -1,6 +1,6 @@
 //! SPIR-V in which atomic operations acquire and release, from WGSL, whose atomics are relaxed.
 //!
-//! [`write`] has naga write the SPIR-V of one entry point, with the checks that wgpu would ask for. [`orders`] puts the
+//! [`mod@write`] has naga write the SPIR-V of one entry point, with the checks that wgpu would ask for. [`orders`] puts the
 //! orders in: which operations get one follows from the names of the functions that they are in.
 //!
 //! wgpu does not enable Vulkan's memory model, which would let every access say what it makes available and visible. So

@@ -5,7 +5,6 @@ pub mod band;
 pub mod bounds;
 mod code;
 pub mod expected;
-pub mod hammer;
 pub mod light;
 pub mod merged;
 pub mod picture;

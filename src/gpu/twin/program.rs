@@ -7,7 +7,6 @@ use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferUsages, ShaderStages};
 
 use super::bounds;
 use super::code::Code;
-use super::hammer::Hammer;
 use super::light;
 use super::shape::{FRAGMENT, SPARE, Shape, Words, words_of};
 use super::source::{Constants, Path, Twin};
@@ -114,6 +113,12 @@ pub fn group(device: &Device, bound: &[Bound<'_>]) -> Result<Group> {
     device.check().map(|()| Group { layout, group, bindings })
 }
 
+/// Commands that run beside a pass and share no buffer with it, so that nothing waits for them.
+pub trait Beside: std::fmt::Debug {
+    /// Put them before the pass.
+    fn record(&self, encoder: &mut wgpu::CommandEncoder);
+}
+
 /// A twin, configured, with its buffers.
 #[derive(Debug)]
 pub struct Program<'d> {
@@ -130,7 +135,7 @@ pub struct Program<'d> {
     /// Invocations that gave up waiting and were rerun.
     again: Cell<u64>,
     /// What runs beside geometry passes.
-    hammer: RefCell<Option<Hammer>>,
+    beside: RefCell<Option<Box<dyn Beside>>>,
     /// Invocations of a dispatch of a geometry pass, if not as many as there may be.
     burst: Cell<Option<usize>>,
     /// The compiled passes, by entry point and overrides.
@@ -192,7 +197,7 @@ impl<'d> Program<'d> {
         let code = Code::new(device, twin, &twin.module(&constants, Path::Compute)?)?;
         let passes = RefCell::default();
         let again = Cell::default();
-        let (hammer, burst) = Default::default();
+        let (beside, burst) = Default::default();
         Ok(Self {
             device,
             twin,
@@ -204,7 +209,7 @@ impl<'d> Program<'d> {
             words_group,
             code,
             again,
-            hammer,
+            beside,
             burst,
             passes,
         })
@@ -216,15 +221,10 @@ impl<'d> Program<'d> {
         self.again.get()
     }
 
-    /// Put geometry passes under pressure: so many workgroups beside them, and so many invocations in a dispatch.
-    ///
-    /// # Errors
-    /// Any error of the device.
-    pub fn press(&self, hammer: u32, burst: u32) -> Result<()> {
-        let made = (hammer > 0).then(|| Hammer::new(self.device, hammer)).transpose()?;
-        *self.hammer.borrow_mut() = made;
+    /// Put geometry passes under pressure: something beside them, and so many invocations in a dispatch, at least 1.
+    pub fn press(&self, beside: Option<Box<dyn Beside>>, burst: u32) {
+        *self.beside.borrow_mut() = beside;
         self.burst.set(Some(burst.max(1) as usize));
-        Ok(())
     }
 
     /// A compute pass: an entry point of the module, and its second group, if it has one. It is compiled once.
@@ -431,8 +431,8 @@ impl<'d> Program<'d> {
         let (group, pass) =
             self.fragments_group(buffer, 0, FRAGMENT * words.len() as u64, &entry)?;
         let mut encoder = self.device.encoder();
-        if let Some(hammer) = &*self.hammer.borrow() {
-            hammer.dispatch(&mut encoder);
+        if let Some(beside) = &*self.beside.borrow() {
+            beside.record(&mut encoder);
         }
         self.dispatch(&mut encoder, &pass, Some(&group.group), words.len() as u64);
         self.device.submit(encoder)
