@@ -106,7 +106,7 @@ fn scenes_find_changed_twins() {
         for (number, mutant) in mutants.iter().copied().enumerate() {
             // What arrival decides may hide a change: then another order is tried.
             let tried = (0..4).flat_map(|seed| {
-                let each = |scene| THICK.map(|thickness| (scene, thickness, Some(seed)));
+                let each = move |scene| THICK.map(move |thickness| (scene, thickness, Some(seed)));
                 scenes.iter().flat_map(each)
             });
             let found = tried.into_iter().any(|(scene, thickness, shuffle)| {
