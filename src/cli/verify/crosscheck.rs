@@ -346,7 +346,7 @@ fn here(args: &Args, subjects: &[Subject], options: &Options, rows: &mut Rows<'_
                 }
                 for row in own {
                     let row = Agreement { asked: subject.asked.clone(), ..row };
-                    if !rows.has(&row) {
+                    if !rows.take_known(&row) {
                         rows.add(row)?;
                     }
                 }

@@ -65,7 +65,7 @@ pub(super) fn run(
     for unit in units {
         let mut at = 0;
         while at < subjects.len() {
-            if rows.has(&unit.blank(&subjects[at])) {
+            if rows.take_known(&unit.blank(&subjects[at])) {
                 at += 1;
                 continue;
             }

@@ -41,8 +41,8 @@ impl<'a> Rows<'a> {
         Ok(Self { all, planned, expected: BTreeMap::new(), report, table, quiet })
     }
 
-    /// Whether the row that this one stands for is in the report; then it is taken from there.
-    pub(super) fn has(&mut self, row: &Agreement) -> bool {
+    /// Take the row that this one stands for from the report that is resumed, if it is there. Whether it was.
+    pub(super) fn take_known(&mut self, row: &Agreement) -> bool {
         let known = self.report.as_ref().and_then(|report| report.find(row)).cloned();
         self.all.extend(known.clone());
         known.is_some()

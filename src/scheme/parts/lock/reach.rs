@@ -13,11 +13,12 @@
 //!
 //! With [`Atomic`], there is no data race, and nothing more: without the orders of the lock, loads may be stale.
 //!
-//! With [`Updated`], no order is needed. Every access is a read-modify-write (a read is an `or` of 0, a write is an
-//! exchange), so every write of a word in the store pass is one. An update reads the message directly before its own in
-//! the word's coherence order: so they stand in one chain, and whoever comes next reads the last of it. Let B take the
-//! lock after A. Could an access of B come before one of A in the chain of some word? Then A has read, directly or
-//! through others, what B wrote there; A releases the lock after that; B has read the release, directly or through
+//! With [`Updated`], no order is needed. Every access is a read-modify-write: a read is an `or` of 0, a write is an
+//! exchange. So every write of a word in the store pass is an update, and an update reads the value that the update
+//! before it left. The updates of a word are one chain, and a later one reads the last value.
+//!
+//! Let B take the lock after A. Could an access of B come before one of A in a word's chain? Then A has read, directly
+//! or through others, what B wrote there. A releases the lock after that. B has read the release, directly or through
 //! others, before it wrote. That is a cycle of program order and reads-from: load buffering.
 //!
 //! So this stands on one assumption: *no load buffering*. The explorer's relaxed memory makes it; C++, Vulkan and WGSL
