@@ -7,25 +7,17 @@
 //# include parts/max_array
 //# include parts/max_heap
 //# include parts/array_up_to
+//# include reach/pixel_rows
 //# include shared/emit
 
 struct Pixel {
     lock: atomic<u32>,
     counter: atomic<u32>,
     depth: array<atomic<u32>, K>,
-    data: array<u32, K>,
+    data: array<Word, K>,
 }
 
 @group(0) @binding(0) var<storage, read_write> pixels: array<Pixel>;
-
-fn entry(pixel: u32, i: u32) -> Key {
-    return Key(pixels[pixel].data[i], atomicLoad(&pixels[pixel].depth[i]));
-}
-
-fn put(pixel: u32, i: u32, key: Key) {
-    pixels[pixel].data[i] = key.x;
-    atomicStore(&pixels[pixel].depth[i], key.y);
-}
 
 fn clear(pixel: u32) {
     atomicStore(&pixels[pixel].lock, FREE);
@@ -53,14 +45,9 @@ fn acquire_count(pixel: u32) -> u32 {
     return atomicLoad(&pixels[pixel].counter);
 }
 
-// Written after the record that it counts.
-fn release_count(pixel: u32, count: u32) {
-    atomicStore(&pixels[pixel].counter, count);
-}
-
 // Under the lock.
 fn insert(pixel: u32, key: Key) -> u32 {
-    let count = atomicLoad(&pixels[pixel].counter);
+    let count = count_of(pixel);
     if count < K {
         append(pixel, count, key);
         release_count(pixel, count + 1u);
@@ -75,7 +62,7 @@ fn insert(pixel: u32, key: Key) -> u32 {
 
 fn store(fragment: Fragment) -> u32 {
     let pixel = fragment.pixel;
-    if acquire_count(pixel) == K && fragment.depth > atomicLoad(&pixels[pixel].depth[0]) {
+    if acquire_count(pixel) == K && fragment.depth > farthest_of(pixel) {
         return CULLED;
     }
     var outcome = STUCK;
@@ -91,6 +78,6 @@ fn store(fragment: Fragment) -> u32 {
 fn resolve(pixel: u32) {
     let count = atomicLoad(&pixels[pixel].counter);
     for (var i = 0u; i < min(count, K); i++) {
-        emit(entry(pixel, i));
+        emit(settled(pixel, i));
     }
 }
