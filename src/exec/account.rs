@@ -8,6 +8,8 @@
 //! one more often than generated is duplicated; a generated fragment that is missing was lost if it belongs to the k
 //! nearest, and evicted (or culled) if it does not.
 
+use super::drive::Outcomes;
+use crate::raster::batch::bits;
 use crate::scheme::Outcome;
 use crate::scheme::parts::visible::is_hidden;
 
@@ -88,11 +90,30 @@ impl Tally {
         true
     }
 
-    /// Count a fragment that did not reach the scheme.
+    /// Count the reports of a batch: `gone` has the bits of those that were not kept.
     #[inline]
-    pub fn reject(&mut self) {
-        self.culled += 1;
-        self.rejected += 1;
+    pub fn reports(&mut self, gone: u64, outcomes: &Outcomes) {
+        // A byte for each kind but `Kept`, in one word: no more than 64 of a kind come from one batch.
+        let mut kinds = 0u64;
+        for bit in bits(gone) {
+            kinds += 1 << (8 * (outcomes[bit as usize & 63] as u32 & 7));
+        }
+        let [merged, culled, evicted, overflow, pool, duplicate, age, _] =
+            kinds.to_le_bytes().map(u64::from);
+        self.merged += merged;
+        self.culled += culled;
+        self.evicted += evicted;
+        self.overflow += overflow;
+        self.pool += pool;
+        self.duplicate += duplicate;
+        self.age += age;
+    }
+
+    /// Count fragments that did not reach the scheme.
+    #[inline]
+    pub fn reject(&mut self, count: u32) {
+        self.culled += u64::from(count);
+        self.rejected += u64::from(count);
     }
 
     /// Count a resolved pixel with `generated` fragments, of which `gone` were reported as not kept; resolve found

@@ -12,11 +12,12 @@ use std::ops::Range;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
-use crate::fragment::Fragment;
 use crate::memory::Memory;
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::{Held, Holds, Outcome, Readback, Scheme};
 
-/// Outcomes of a batch, in the order of its fragments.
+/// Outcomes of a batch, at the bits of its fragments.
 pub type Outcomes = [Outcome; 64];
 
 /// A scheme on one kind of memory, without its type.
@@ -26,15 +27,15 @@ pub trait Pipeline<M>: Sync {
     /// Clear a range of pixels.
     fn clear(&self, mem: &M, pixels: Range<u32>);
     /// Run an earlier geometry pass for fragments, one after another.
-    fn prepare(&self, mem: &M, pass: usize, fragments: &[Fragment]);
+    fn prepare(&self, mem: &M, pass: usize, batch: &Batch);
     /// Run a full-screen pass for a range of pixels.
     fn screen(&self, mem: &M, pass: usize, pixels: Range<u32>);
     /// Run a part of a pass over the frame's words.
     fn frame(&self, mem: &M, pass: usize, indices: Range<u32>);
     /// How many invocations such a pass has.
     fn invocations(&self, pass: usize) -> u32;
-    /// Store fragments one after another; at most 64.
-    fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes);
+    /// Store fragments one after another. Gives the bits of those whose outcome is not [`Outcome::Kept`].
+    fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) -> u64;
     /// Add what a pixel holds to `held`. Returns whether it needs another round.
     fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool;
     /// What is read back after the frame.
@@ -65,9 +66,9 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         }
     }
 
-    fn prepare(&self, mem: &M, pass: usize, fragments: &[Fragment]) {
-        for fragment in fragments {
-            complete(Scheme::prepare(self, mem, pass, *fragment));
+    fn prepare(&self, mem: &M, pass: usize, batch: &Batch) {
+        for fragment in batch.iter() {
+            complete(Scheme::prepare(self, mem, pass, fragment));
         }
     }
 
@@ -87,10 +88,14 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         Scheme::invocations(self, pass)
     }
 
-    fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes) {
-        for (fragment, outcome) in fragments.iter().zip(outcomes) {
-            *outcome = complete(Scheme::store(self, mem, *fragment));
+    fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) -> u64 {
+        let mut gone = 0;
+        for bit in bits(batch.mask()) {
+            let outcome = complete(Scheme::store(self, mem, batch.get(bit)));
+            outcomes[bit as usize & 63] = outcome;
+            gone |= u64::from(outcome != Outcome::Kept) << bit;
         }
+        gone
     }
 
     fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool {

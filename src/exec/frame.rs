@@ -99,36 +99,6 @@ pub struct PixelCounts {
     pub generated: Vec<u32>,
     /// Culled, evicted or dropped.
     pub gone: Vec<u32>,
-    /// Those of them that did not reach the scheme.
-    pub rejected: Vec<u32>,
-}
-
-impl PixelCounts {
-    /// Zeroes for a tile.
-    pub fn reset(&mut self, pixels: usize) {
-        for counts in [&mut self.generated, &mut self.gone, &mut self.rejected] {
-            counts.clear();
-            counts.resize(pixels, 0);
-        }
-    }
-}
-
-impl PixelCounts {
-    /// Count a fragment that did not reach the scheme.
-    #[inline]
-    pub fn reject(&mut self, pixel: usize, reports: &mut Tally) {
-        for counts in [&mut self.generated, &mut self.gone, &mut self.rejected] {
-            counts[pixel] += 1;
-        }
-        reports.reject();
-    }
-
-    /// How many of a pixel's fragments have reached the scheme so far.
-    #[inline]
-    #[must_use]
-    pub fn entered(&self, pixel: usize) -> u32 {
-        self.generated[pixel] - self.rejected[pixel]
-    }
 }
 
 /// Merged records of a pixel that room is made for: the `-k` that is usual.

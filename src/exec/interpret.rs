@@ -13,6 +13,8 @@ use crate::fragment::Fragment;
 use crate::memory::asked::{Action, Asked, Request};
 use crate::memory::sim::Sim;
 use crate::memory::{Address, Counters, Inputs, Layout, Memory, Order, Pool, Update, perform};
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::task::{Ended, Invocation, Task};
 use crate::scheme::{Held, Outcome, Readback};
 
@@ -79,8 +81,8 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
         pixels.for_each(|pixel| drop(complete(self.run(mem, Task::Clear(pixel)))));
     }
 
-    fn prepare(&self, mem: &M, pass: usize, fragments: &[Fragment]) {
-        for &fragment in fragments {
+    fn prepare(&self, mem: &M, pass: usize, batch: &Batch) {
+        for fragment in batch.iter() {
             complete(self.run(mem, Task::Prepare(pass as u8, fragment)));
         }
     }
@@ -97,10 +99,14 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
         self.instance.invocations(pass)
     }
 
-    fn store(&self, mem: &M, fragments: &[Fragment], outcomes: &mut Outcomes) {
-        for (&fragment, outcome) in fragments.iter().zip(outcomes) {
-            *outcome = complete(self.store(mem, fragment));
+    fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) -> u64 {
+        let mut gone = 0;
+        for bit in bits(batch.mask()) {
+            let outcome = complete(self.store(mem, batch.get(bit)));
+            outcomes[bit as usize] = outcome;
+            gone |= u64::from(outcome != Outcome::Kept) << bit;
         }
+        gone
     }
 
     fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool {

@@ -84,9 +84,9 @@ impl Job<'_> {
         !self.culling.is_empty() && !counts
     }
 
-    /// Leave out of a batch what does not reach such a pass, and name the storage pixel of each.
+    /// Leave out of a batch what does not reach such a pass, and give the bits of that.
     #[inline]
-    pub fn cull(&self, batch: &mut Batch, rejected: impl FnMut(u32)) {
-        batch.reject(|f| f.depth > self.culling[f.pixel as usize], rejected);
+    pub fn cull(&self, batch: &mut Batch) -> u64 {
+        batch.reject(|f| f.depth > self.culling[f.pixel as usize])
     }
 }

@@ -1,7 +1,7 @@
 //! One pixel of a method on memory of its own: its invocations one after another, in an order of the caller's choice.
 
 use super::Method;
-use super::drive::{Outcomes, Pipeline};
+use super::drive::{Pipeline, complete};
 use super::interpret::Interpreted;
 use super::method::Instance;
 use crate::fragment::Fragment;
@@ -9,6 +9,7 @@ use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Counters, Inputs};
 use crate::scheme::program::PassKind;
+use crate::scheme::task::Task;
 use crate::scheme::{Config, Held, Outcome};
 
 /// A method, configured for a single pixel.
@@ -73,15 +74,14 @@ impl OnePixel {
         scheme.clear(&mem, 0..1);
         for (number, pass) in self.method.contract().program.passes.iter().enumerate() {
             match pass.kind {
-                PassKind::Prepare => scheme.prepare(&mem, number, fragments),
+                PassKind::Prepare => fragments.iter().for_each(|&fragment| {
+                    complete(scheme.run(&mem, Task::Prepare(number as u8, fragment)));
+                }),
                 PassKind::Screen => scheme.screen(&mem, number, 0..1),
                 PassKind::Frame => scheme.frame(&mem, number, 0..self.instance.invocations(number)),
                 PassKind::Store => {
-                    for some in fragments.chunks(64) {
-                        let mut ended: Outcomes = [Outcome::Kept; 64];
-                        Pipeline::store(&scheme, &mem, some, &mut ended);
-                        outcomes.extend_from_slice(&ended[..some.len()]);
-                    }
+                    let store = |&fragment| complete(scheme.store(&mem, fragment));
+                    outcomes.extend(fragments.iter().map(store));
                 }
             }
         }

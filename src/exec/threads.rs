@@ -6,7 +6,7 @@
 
 use std::convert::Infallible;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 use rayon::prelude::*;
@@ -22,6 +22,7 @@ use crate::fragment::Packet;
 use crate::memory::arena::Shared;
 use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
+use crate::num::columns::Columns;
 use crate::raster::Batch;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
@@ -189,20 +190,19 @@ impl SharedMemory<'_> {
 /// The results of a geometry pass other than memory.
 #[derive(Default)]
 struct Stored {
+    /// By tile.
     generated: Vec<Mutex<Vec<u32>>>,
-    gone: Vec<AtomicU32>,
+    /// Of every worker, over all blocks.
+    gone: Vec<Columns>,
     reports: Tally,
 }
 
 impl Stored {
     fn counts(&self, tile: usize, pixels: usize) -> PixelCounts {
         let generated = self.generated[tile].lock().map(|mut g| std::mem::take(&mut *g));
-        let gone = &self.gone[tile * pixels..(tile + 1) * pixels];
-        PixelCounts {
-            generated: generated.unwrap_or_default(),
-            gone: gone.iter().map(|g| g.load(Ordering::Relaxed)).collect(),
-            rejected: Vec::new(),
-        }
+        let mut gone = vec![0; pixels];
+        self.gone.iter().for_each(|columns| columns.add_to(tile * pixels / 64, &mut gone));
+        PixelCounts { generated: generated.unwrap_or_default(), gone }
     }
 }
 
@@ -213,42 +213,42 @@ fn geometry_pass<O: Observer + Default>(
     shared: &SharedMemory<'_>,
 ) -> Stored {
     let grid = &job.front.grid;
-    let mut gone = Vec::new();
-    gone.resize_with(grid.storage_pixels(), AtomicU32::default);
     let mut generated = Vec::new();
     generated.resize_with(grid.tiles(), Mutex::default);
-    let stored = Stored { generated, gone, reports: Tally::default() };
     let (sender, receiver) = bounded::<Vec<Sent>>(BACKLOG * job.threads);
     let next_tile = AtomicUsize::new(0);
-    let reports = std::thread::scope(|scope| {
+    let (gone, reports) = std::thread::scope(|scope| {
         for _ in 0..(job.threads / 2).max(1) {
             let sender = sender.clone();
-            let (next_tile, generated) = (&next_tile, &stored.generated);
+            let (next_tile, generated) = (&next_tile, &generated);
             scope.spawn(move || rasterize(job, pass.0, next_tile, generated, &sender));
         }
         drop(sender);
         let workers: Vec<_> = (0..job.threads)
             .map(|_| {
                 // Each has its own end of the queue: if all workers are gone, no rasterizer waits for one.
-                let (receiver, gone) = (receiver.clone(), &stored.gone);
+                let receiver = receiver.clone();
                 let work = move |mem: Native<'_, O>| {
                     let ahead = if job.whole_pools { layout.ahead() } else { Vec::new() };
-                    invoke(scheme, pass, job, &mem.taking(&ahead), &receiver, gone)
+                    invoke(scheme, pass, job, &mem.taking(&ahead), &receiver)
                 };
                 scope.spawn(move || shared.with(work))
             })
             .collect();
         drop(receiver);
-        let mut sum = Tally::default();
+        let (mut gone, mut sum) = (Vec::new(), Tally::default());
         for worker in workers {
             match worker.join() {
-                Ok(tally) => sum.merge(&tally),
+                Ok((columns, tally)) => {
+                    gone.push(columns);
+                    sum.merge(&tally);
+                }
                 Err(panic) => std::panic::resume_unwind(panic),
             }
         }
-        sum
+        (gone, sum)
     });
-    Stored { reports, ..stored }
+    Stored { generated, gone, reports }
 }
 
 /// A rasterizer thread: takes tiles until there are none, counts fragments per pixel, sends packets. With an interlock,
@@ -261,33 +261,30 @@ fn rasterize(
     sender: &Sender<Vec<Sent>>,
 ) {
     let grid = &job.front.grid;
+    let blocks = grid.pixels_per_tile() / 64;
     let (interlock, culls) = (job.contract.is_interlocked(), job.culls(number));
     let mut batch = Batch::default();
-    let add = |counts: &mut [u32], mask: u64| {
-        for (bit, count) in counts.iter_mut().enumerate() {
-            *count += (mask >> bit & 1) as u32;
-        }
-    };
+    let (mut counts, mut entered) = (Columns::default(), Columns::default());
     loop {
         let tile = next_tile.fetch_add(1, Ordering::Relaxed);
         if tile >= grid.tiles() {
             return;
         }
-        let mut counts = vec![0u32; grid.pixels_per_tile()];
-        let mut entered = vec![0u32; if interlock { grid.pixels_per_tile() } else { 0 }];
+        counts.reset(blocks);
+        entered.reset(blocks);
         let mut message = Vec::with_capacity(MESSAGE);
         job.front.packets(tile, |packet| {
-            let first = grid.local_block(packet) as usize * 64;
-            add(&mut counts[first..first + 64], packet.mask);
+            let block = grid.local_block(packet) as usize;
+            counts.add(block, packet.mask);
             let ranks = interlock.then(|| {
-                let block = &mut entered[first..first + 64];
-                let ranks = Box::new(std::array::from_fn(|i| block[i]));
+                let mut ranks = Box::new([0; 64]);
+                entered.add_to(block, &mut *ranks);
                 let mut mask = packet.mask;
                 if culls {
                     job.front.fragments(packet, job.record, grid.first_pixel(packet), &mut batch);
-                    job.cull(&mut batch, |pixel| mask &= !(1 << (pixel % 64)));
+                    mask &= !job.cull(&mut batch);
                 }
-                add(block, mask);
+                entered.add(block, mask);
                 ranks
             });
             message.push(Sent { packet, ranks });
@@ -298,12 +295,12 @@ fn rasterize(
         });
         let _ = sender.send(message);
         if let Ok(mut place) = generated[tile].lock() {
-            *place = counts;
+            *place = counts.counts();
         }
     }
 }
 
-/// A worker thread: runs the invocations of the packets it receives.
+/// A worker thread: runs the invocations of the packets it receives, and counts what is not kept.
 ///
 /// With an interlock, an invocation may wait for one of an earlier packet of its tile. That packet was sent earlier, so
 /// another worker has it and is working on it or on a still earlier one: no invocation waits forever.
@@ -313,8 +310,8 @@ fn invoke<O: Observer>(
     job: &Job<'_>,
     mem: &Native<'_, O>,
     receiver: &Receiver<Vec<Sent>>,
-    gone: &[AtomicU32],
-) -> Tally {
+) -> (Columns, Tally) {
+    let mut missing = Columns::new(job.front.grid.storage_pixels() / 64);
     let mut reports = Tally::default();
     let mut batch = Batch::default();
     let mut outcomes: Outcomes = [Outcome::Kept; 64];
@@ -328,26 +325,23 @@ fn invoke<O: Observer>(
     };
     for Sent { packet, ranks } in receiver.iter().inspect(ahead).flatten() {
         let first = job.front.grid.first_pixel(packet);
+        let block = first as usize / 64;
         job.front.fragments(packet, job.record, first, &mut batch);
         if culls {
-            job.cull(&mut batch, |pixel| {
-                gone[pixel as usize].fetch_add(1, Ordering::Relaxed);
-                reports.reject();
-            });
+            let rejected = job.cull(&mut batch);
+            missing.add(block, rejected);
+            reports.reject(rejected.count_ones());
         }
         if let Some(ranks) = ranks {
-            batch.rank(|pixel| ranks[(pixel - first) as usize]);
+            batch.rank(|bit| ranks[bit as usize]);
         }
         if !stores {
-            scheme.prepare(mem, number, batch.fragments());
+            scheme.prepare(mem, number, &batch);
             continue;
         }
-        scheme.store(mem, batch.fragments(), &mut outcomes);
-        for (fragment, &outcome) in batch.fragments().iter().zip(&outcomes) {
-            if reports.report(outcome) {
-                gone[fragment.pixel as usize].fetch_add(1, Ordering::Relaxed);
-            }
-        }
+        let gone = scheme.store(mem, &batch, &mut outcomes);
+        missing.add(block, gone);
+        reports.reports(gone, &outcomes);
     }
-    reports
+    (missing, reports)
 }

@@ -19,6 +19,7 @@ use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Ahead, Counters, Layout, Observer};
+use crate::num::columns::Columns;
 use crate::raster::Batch;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
@@ -80,7 +81,7 @@ struct Tile<O> {
     pool: Range<u64>,
     /// What is left of that range, if there is one.
     ahead: Vec<Ahead>,
-    counts: PixelCounts,
+    counts: Counting,
     reports: Tally,
     /// What the pixels hold from all rounds so far, if there are several.
     collected: Vec<Held>,
@@ -88,6 +89,25 @@ struct Tile<O> {
     batch: Batch,
     /// Accesses outside of its memory by the worker's earlier tiles.
     outside_before: u64,
+}
+
+/// What a geometry pass counts, block by block.
+#[derive(Debug, Default)]
+struct Counting {
+    generated: Columns,
+    gone: Columns,
+    /// What has reached the scheme so far, with an interlock.
+    entered: Columns,
+}
+
+impl Counting {
+    fn reset(&mut self, blocks: usize) {
+        [&mut self.generated, &mut self.gone, &mut self.entered].map(|c| c.reset(blocks));
+    }
+
+    fn of_pixels(&self) -> PixelCounts {
+        PixelCounts { generated: self.generated.counts(), gone: self.gone.counts() }
+    }
 }
 
 impl<O: Observer + Default + Send> Tiles<'_, O> {
@@ -167,7 +187,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             memory: Owned::new(self.layout.per_pixel(), pixels),
             pool: 0..0,
             ahead: Vec::new(),
-            counts: PixelCounts::default(),
+            counts: Counting::default(),
             reports: Tally::default(),
             collected: Vec::new(),
             observer: O::default(),
@@ -242,28 +262,29 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             .from(first)
             .taking(&tile.ahead);
         let Tile { counts, reports, batch, .. } = tile;
-        counts.reset(grid.pixels_per_tile());
+        counts.reset(grid.pixels_per_tile() / 64);
         *reports = Tally::default();
         let mut outcomes: Outcomes = [Outcome::Kept; 64];
         job.front.packets(tile.index, |packet| {
-            let place = first + grid.local_block(packet) * 64;
-            job.front.fragments(packet, job.record, place, batch);
+            let block = grid.local_block(packet);
+            job.front.fragments(packet, job.record, first + block * 64, batch);
+            let block = block as usize;
+            counts.generated.add(block, packet.mask);
             if culls {
-                job.cull(batch, |pixel| counts.reject((pixel - first) as usize, reports));
+                let rejected = job.cull(batch);
+                counts.gone.add(block, rejected);
+                reports.reject(rejected.count_ones());
             }
             if interlock {
-                batch.rank(|pixel| counts.entered((pixel - first) as usize));
+                batch.rank(|bit| counts.entered.get(block, bit));
+                counts.entered.add(block, batch.mask());
             }
-            let fragments = batch.fragments();
             if stores {
-                self.scheme.store(&mem, fragments, &mut outcomes);
+                let gone = self.scheme.store(&mem, batch, &mut outcomes);
+                counts.gone.add(block, gone);
+                reports.reports(gone, &outcomes);
             } else {
-                self.scheme.prepare(&mem, number, fragments);
-            }
-            for (fragment, &outcome) in fragments.iter().zip(&outcomes) {
-                let pixel = (fragment.pixel - first) as usize;
-                counts.generated[pixel] += 1;
-                counts.gone[pixel] += u32::from(reports.report(outcome));
+                self.scheme.prepare(&mem, number, batch);
             }
         });
     }
@@ -297,7 +318,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
 
     fn finish(&self, tile: &mut Tile<O>, rounds: u32) -> (TileOutput, Counters) {
         let finisher = Finisher::new(self.job, tile.index);
-        let (counts, reports) = (&tile.counts, &tile.reports);
+        let (counts, reports) = (&tile.counts.of_pixels(), &tile.reports);
         let output = if self.job.contract.program.repeats {
             collected_tile(&mut tile.collected, counts, finisher, reports)
         } else {

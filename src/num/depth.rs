@@ -44,6 +44,16 @@ impl Format {
         }
     }
 
+    /// The stored words of depth codes, in their place.
+    #[inline]
+    pub fn encode_all(self, codes: &mut [u32]) {
+        match self {
+            Self::D32 => {}
+            Self::D24 => codes.iter_mut().for_each(|code| *code = Self::D24.encode(*code)),
+            Self::F32 => codes.iter_mut().for_each(|code| *code = Self::F32.encode(*code)),
+        }
+    }
+
     /// Bits of the stored word that can differ.
     #[must_use]
     pub fn bits(self) -> u32 {
@@ -96,6 +106,9 @@ mod tests {
         for format in Format::ALL {
             let stored = codes.map(|c| format.encode(c));
             assert!(stored.is_sorted(), "{format:?}: {stored:?}");
+            let mut together = codes;
+            format.encode_all(&mut together);
+            assert_eq!(together, stored);
             assert!(stored.iter().all(|&s| s != EMPTY));
         }
     }

@@ -1,7 +1,8 @@
 //! Numbers that are the same everywhere: 8-bit colour and its rounding, sRGB by table, compositing in 16 bits, depth
-//! codes, counter-based random numbers, bounds of rates and hexadecimal text.
+//! codes, counters of bits, counter-based random numbers, bounds of rates and hexadecimal text.
 
 pub mod color;
+pub mod columns;
 pub mod depth;
 mod hex;
 pub mod orders;

@@ -9,10 +9,22 @@
 //! A clipped polygon takes the plane of its *carrier*, the vertex triple of largest area: every point of the polygon
 //! then has barycentric coordinates within ±1 on it, so that extrapolation cannot overflow.
 
+use super::batch::{Lanes, bits};
 use super::clip::{Polygon, Snapped, UNITS, doubled_area};
+use crate::fragment::BLOCK;
 
 /// Fraction bits of the coefficients.
 const FRACTION: u32 = 24;
+
+/// Half a code.
+const HALF: i64 = 1 << (FRACTION - 1);
+
+/// Depth ranges below this are walked in 32 bits: on a polygon, values lie within once the range before it and twice
+/// the range behind its nearest vertex, which then fits an i32.
+const NARROW: u32 = 1 << 30;
+
+/// With fewer pixels than this, one after another is faster than all 64 at once.
+const FEW: u32 = 6;
 
 /// The depth plane of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -61,11 +73,45 @@ impl DepthPlane {
             .wrapping_add(self.b.wrapping_mul(i64::from(dy)))
     }
 
+    /// The depth codes of a block whose first pixel is (x, y), at the bits of `mask`; the other lanes hold anything.
+    #[inline]
+    pub fn codes(&self, [x, y]: [u32; 2], mask: u64, codes: &mut Lanes) {
+        if self.max - self.min >= NARROW || mask.count_ones() < FEW {
+            let origin = self.at(x, y);
+            for bit in bits(mask) {
+                codes[bit as usize] = self.code(self.step(origin, bit % BLOCK, bit / BLOCK));
+            }
+        } else {
+            self.narrow(self.at(x, y).wrapping_add(HALF), codes);
+        }
+    }
+
+    /// All codes of a block, in 32 bits. Each coefficient is split into whole codes, modulo 2^32, and its fraction;
+    /// up to 15 fractions fit a word.
+    #[inline]
+    fn narrow(&self, origin: i64, codes: &mut Lanes) {
+        let split = |v: i64| ((v >> FRACTION) as u32, v as u32 & ((1 << FRACTION) - 1));
+        let [(whole, part), a, b] = [origin, self.a, self.b].map(split);
+        let times = |(whole, part): (u32, u32), n: u32| (whole.wrapping_mul(n), part * n);
+        let columns: [(u32, u32); 8] = std::array::from_fn(|n| times(a, n as u32));
+        let range = (self.max - self.min) as i32;
+        for (row, n) in codes.chunks_exact_mut(8).zip(0..) {
+            let down = times(b, n);
+            let whole = whole.wrapping_add(down.0).wrapping_sub(self.min);
+            let part = part + down.1;
+            for (code, across) in row.iter_mut().zip(columns) {
+                let carried = (part + across.1) >> FRACTION;
+                let above = whole.wrapping_add(across.0).wrapping_add(carried) as i32;
+                *code = above.clamp(0, range) as u32 + self.min;
+            }
+        }
+    }
+
     /// The depth code of a wrapped value.
     #[inline]
     #[must_use]
     pub fn code(&self, value: i64) -> u32 {
-        let rounded = value.wrapping_add(1 << (FRACTION - 1)) >> FRACTION;
+        let rounded = value.wrapping_add(HALF) >> FRACTION;
         rounded.clamp(i64::from(self.min), i64::from(self.max)) as u32
     }
 }

@@ -47,7 +47,7 @@ fn collect<T: Clone>(
     front.packets(tile, |packet: Packet| {
         let first = front.grid.local_block(packet) * 64;
         front.fragments(packet, record, first, &mut batch);
-        for &fragment in batch.fragments() {
+        for fragment in batch.iter() {
             pixels[fragment.pixel as usize].push(part(fragment));
         }
     });

@@ -114,7 +114,7 @@ impl<'a> Stages<'a> {
             // What does not reach the scheme is known before anything runs.
             for (gone, count) in self.gone.iter_mut().zip(rejected(self.job, number)) {
                 *gone += count;
-                (0..count).for_each(|_| self.reports.reject());
+                self.reports.reject(count);
             }
         }
         // Only while fragments are stored, and nothing else runs.

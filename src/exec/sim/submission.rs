@@ -3,6 +3,7 @@
 use crate::exec::Job;
 use crate::fragment::{Fragment, Packet};
 use crate::raster::Batch;
+use crate::raster::batch::bits;
 
 /// Pulls fragments out of a scene: primitive by primitive over the whole image, block by block.
 pub(super) struct Submission<'a> {
@@ -17,7 +18,8 @@ pub(super) struct Submission<'a> {
     packets: Vec<Packet>,
     next_packet: usize,
     batch: Batch,
-    next_fragment: usize,
+    /// Bits of the batch whose fragments are still to come.
+    left: u64,
 }
 
 impl<'a> Submission<'a> {
@@ -40,7 +42,7 @@ impl<'a> Submission<'a> {
             packets: Vec::new(),
             next_packet: 0,
             batch: Batch::default(),
-            next_fragment: 0,
+            left: 0,
         }
     }
 
@@ -59,14 +61,14 @@ impl<'a> Submission<'a> {
         }
         let packet = self.packets[self.next_packet];
         self.next_packet += 1;
-        self.next_fragment = 0;
         front.fragments(packet, self.job.record, front.grid.first_pixel(packet), &mut self.batch);
         if let Some(generated) = &mut self.generated {
-            self.batch.fragments().iter().for_each(|f| generated[f.pixel as usize] += 1);
+            self.batch.iter().for_each(|f| generated[f.pixel as usize] += 1);
         }
         if self.culls {
-            self.job.cull(&mut self.batch, |_| {});
+            self.job.cull(&mut self.batch);
         }
+        self.left = self.batch.mask();
         true
     }
 }
@@ -75,13 +77,13 @@ impl Iterator for Submission<'_> {
     type Item = Fragment;
 
     fn next(&mut self) -> Option<Fragment> {
-        while self.next_fragment == self.batch.fragments().len() {
+        while self.left == 0 {
             if !self.refill() {
                 return None;
             }
         }
-        let mut fragment = self.batch.fragments()[self.next_fragment];
-        self.next_fragment += 1;
+        let mut fragment = self.batch.get(self.left.trailing_zeros());
+        self.left &= self.left - 1;
         if let Some(entered) = self.entered.get_mut(fragment.pixel as usize) {
             fragment.extra = *entered;
             *entered += 1;
@@ -98,7 +100,8 @@ pub(super) fn rejected(job: &Job<'_>, pass: usize) -> Vec<u32> {
         job.front.packets_in_order(|packet| {
             let first = job.front.grid.first_pixel(packet);
             job.front.fragments(packet, job.record, first, &mut batch);
-            job.cull(&mut batch, |pixel| counts[pixel as usize] += 1);
+            let rejected = job.cull(&mut batch);
+            bits(rejected).for_each(|bit| counts[(first + bit) as usize] += 1);
         });
     }
     counts

@@ -28,7 +28,7 @@ use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::num::depth::Format;
 use crate::num::orders::orders;
-use crate::raster::Record;
+use crate::raster::{Batch, Record};
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
 use crate::scheme::program::PassKind;
@@ -131,12 +131,12 @@ impl Host<'_> {
                     scheme.clear_frame(&mem);
                     scheme.clear(&mem, 0..pixels);
                 }
-                Step::Prepare(pass, i) => scheme.prepare(&mem, pass, &self.fragments[i..=i]),
+                Step::Prepare(pass, i) => scheme.prepare(&mem, pass, &Batch::one(self.fragments[i])),
                 Step::Screen(pass, pixel) => scheme.screen(&mem, pass, pixel..pixel + 1),
                 Step::Frame(pass) => scheme.frame(&mem, pass, 0..scheme.invocations(pass)),
                 Step::Store(i) => {
                     let mut outcomes: Outcomes = [Outcome::Kept; 64];
-                    scheme.store(&mem, &self.fragments[i..=i], &mut outcomes);
+                    scheme.store(&mem, &Batch::one(self.fragments[i]), &mut outcomes);
                     outcome = Some(outcomes[0] as u32);
                 }
                 Step::Resolve(_) => {

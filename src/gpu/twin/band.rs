@@ -166,7 +166,7 @@ impl<'p> Band<'p> {
                 let place = front.grid.first_pixel(packet) - first;
                 front.fragments(packet, record, place, &mut batch);
                 let first = fragments.len();
-                fragments.extend_from_slice(batch.fragments());
+                fragments.extend(batch.iter());
                 if numbered {
                     let extra = front.primitives()[primitive as usize].triangle;
                     fragments[first..].iter_mut().for_each(|fragment| fragment.extra = extra);

@@ -12,6 +12,7 @@ use crate::fragment::Fragment;
 use crate::memory::Inputs;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
+use crate::raster::Batch;
 use crate::scheme::approximate::{mbt, passing};
 use crate::scheme::program::PassKind;
 use crate::scheme::{Config, Contract, Held, HeldKind, Light, Outcome};
@@ -73,12 +74,14 @@ impl Simulator {
             scheme.clear(&mem, 0..pixels);
             for (number, pass) in self.contract.program.passes.iter().enumerate() {
                 match pass.kind {
-                    PassKind::Prepare => scheme.prepare(&mem, number, fragments),
+                    PassKind::Prepare => fragments.iter().for_each(|&fragment| {
+                        scheme.prepare(&mem, number, &Batch::one(fragment));
+                    }),
                     PassKind::Screen => scheme.screen(&mem, number, 0..pixels),
                     PassKind::Frame => scheme.frame(&mem, number, 0..scheme.invocations(number)),
-                    PassKind::Store => fragments.chunks(64).for_each(|some| {
+                    PassKind::Store => fragments.iter().for_each(|&fragment| {
                         let mut outcomes: Outcomes = [Outcome::Kept; 64];
-                        scheme.store(&mem, some, &mut outcomes);
+                        scheme.store(&mem, &Batch::one(fragment), &mut outcomes);
                     }),
                 }
             }

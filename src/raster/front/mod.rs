@@ -16,6 +16,7 @@ use super::primitive::{Primitive, Rect};
 use super::shade::{Attenuation, Surface};
 use super::slab::Slabs;
 use crate::fragment::{BLOCK, Packet};
+use crate::num::columns::Columns;
 use crate::num::planes::Planes;
 use crate::scene::Scene;
 
@@ -148,16 +149,9 @@ impl FrontEnd {
     }
 
     fn counts_of(&self, tile: usize) -> Vec<u32> {
-        let mut counts = vec![0u32; self.grid.pixels_per_tile()];
-        self.packets(tile, |p| {
-            let block = self.grid.local_block(p) as usize * 64;
-            let mut mask = p.mask;
-            while mask != 0 {
-                counts[block + mask.trailing_zeros() as usize] += 1;
-                mask &= mask - 1;
-            }
-        });
-        counts
+        let mut counts = Columns::new(self.grid.pixels_per_tile() / 64);
+        self.packets(tile, |p| counts.add(self.grid.local_block(p) as usize, p.mask));
+        counts.counts()
     }
 
     fn of(scene: &Scene, grid: Grid, target: Target) -> Self {

@@ -32,7 +32,7 @@ fn arrivals(scene: &Scene) -> Vec<Vec<Stored>> {
     let (mut batch, record) = (Batch::default(), Record { depth: Format::D32, data: Data::Color });
     front.packets_in_order(|packet| {
         front.fragments(packet, record, grid.first_pixel(packet), &mut batch);
-        for f in batch.fragments() {
+        for f in batch.iter() {
             let slab = Stored { depth: f.depth, data: f.data, near: f.extra };
             pixels[f.pixel as usize].push(slab);
         }
