@@ -20,7 +20,7 @@ fn time(sort: Sort, lists: &[Vec<u64>]) -> f64 {
         let mut work = lists.to_vec();
         let start = Instant::now();
         for list in &mut work {
-            sort.run(black_box(list));
+            sort.keys(black_box(list));
         }
         best = best.min(start.elapsed().as_secs_f64() / lists.len() as f64 * 1e9);
     }

@@ -9,7 +9,6 @@
 //! nearest, and evicted (or culled) if it does not.
 
 use super::drive::Outcomes;
-use crate::raster::batch::bits;
 use crate::scheme::Outcome;
 use crate::scheme::parts::visible::is_hidden;
 
@@ -90,23 +89,16 @@ impl Tally {
         true
     }
 
-    /// Count the reports of a batch: `gone` has the bits of those that were not kept.
+    /// Count the reports of a batch.
     #[inline]
-    pub fn reports(&mut self, gone: u64, outcomes: &Outcomes) {
-        // A byte for each kind but `Kept`, in one word: no more than 64 of a kind come from one batch.
-        let mut kinds = 0u64;
-        for bit in bits(gone) {
-            kinds += 1 << (8 * (outcomes[bit as usize & 63] as u32 & 7));
-        }
-        let [merged, culled, evicted, overflow, pool, duplicate, age, _] =
-            kinds.to_le_bytes().map(u64::from);
-        self.merged += merged;
-        self.culled += culled;
-        self.evicted += evicted;
-        self.overflow += overflow;
-        self.pool += pool;
-        self.duplicate += duplicate;
-        self.age += age;
+    pub fn reports(&mut self, outcomes: &Outcomes) {
+        self.culled += outcomes.count(Outcome::Culled);
+        self.evicted += outcomes.count(Outcome::Evicted);
+        self.overflow += outcomes.count(Outcome::Overflow);
+        self.pool += outcomes.count(Outcome::Pool);
+        self.duplicate += outcomes.count(Outcome::Duplicate);
+        self.age += outcomes.count(Outcome::Age);
+        self.merged += outcomes.count(Outcome::Merged);
     }
 
     /// Count fragments that did not reach the scheme.

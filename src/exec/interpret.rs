@@ -99,24 +99,32 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
         self.instance.invocations(pass)
     }
 
-    fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) -> u64 {
-        let mut gone = 0;
+    fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) {
+        outcomes.reset(batch.mask());
         for bit in bits(batch.mask()) {
-            let outcome = complete(self.store(mem, batch.get(bit)));
-            outcomes[bit as usize] = outcome;
-            gone |= u64::from(outcome != Outcome::Kept) << bit;
+            outcomes.set(bit, complete(self.store(mem, batch.get(bit))));
         }
-        gone
     }
 
-    fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool {
-        match complete(self.run(mem, Task::Resolve(pixel))) {
-            Ended::Resolved(_, found, again) => {
+    fn resolve_all(
+        &self,
+        mem: &M,
+        pixels: Range<u32>,
+        held: &mut Held,
+        mut ends: Option<&mut Vec<u32>>,
+    ) -> bool {
+        let mut any = false;
+        for pixel in pixels {
+            if let Ended::Resolved(_, found, again) = complete(self.run(mem, Task::Resolve(pixel)))
+            {
                 held.append(found);
-                again
+                any |= again;
             }
-            Ended::Done | Ended::Stored(_) => false,
+            if let Some(ends) = &mut ends {
+                ends.push(held.len() as u32);
+            }
         }
+        any
     }
 
     fn readback(&self) -> Option<Readback> {

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::Tally;
-use super::frame::{Finisher, Frame};
+use super::frame::Frame;
+use super::frame::finish::Finisher;
 use crate::memory::Counters;
 use crate::scheme::exact;
 

@@ -14,7 +14,8 @@ use rayon::prelude::*;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::drive::{Outcomes, Pipeline};
-use super::frame::{Finisher, Frame, PixelCounts, collected_tile, resolve_tile};
+use super::frame::finish::{Finisher, collected_tile, resolve_tile};
+use super::frame::{Frame, PixelCounts};
 use super::interpret::Interpreted;
 use super::table::TableWords;
 use super::{Instance, Job};
@@ -26,7 +27,7 @@ use crate::num::columns::Columns;
 use crate::raster::Batch;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
-use crate::scheme::{Held, Outcome};
+use crate::scheme::Held;
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.
 const MESSAGE: usize = 64;
@@ -114,10 +115,7 @@ fn frame<O: Observer + Default>(
             return collected_tile(collected, &counts, finisher, &none);
         }
         shared.with(|mem: Native<'_, O>| {
-            let resolve = |pixel, held: &mut Held| {
-                scheme.resolve(&mem, pixel, held);
-            };
-            resolve_tile(resolve, pixels(tile).start, &counts, finisher, &none)
+            resolve_tile(scheme, &mem, pixels(tile).start, &counts, finisher, &none)
         })
     };
     let mut parts: Vec<&mut [Held]> = collected.chunks_mut(tile_pixels as usize).collect();
@@ -314,7 +312,7 @@ fn invoke<O: Observer>(
     let mut missing = Columns::new(job.front.grid.storage_pixels() / 64);
     let mut reports = Tally::default();
     let mut batch = Batch::default();
-    let mut outcomes: Outcomes = [Outcome::Kept; 64];
+    let mut outcomes = Outcomes::default();
     let culls = job.culls(number);
     // Ahead of a message, as many indices as it has fragments.
     let fragments = |message: &[Sent]| message.iter().map(|s| s.packet.mask.count_ones()).sum();
@@ -339,9 +337,12 @@ fn invoke<O: Observer>(
             scheme.prepare(mem, number, &batch);
             continue;
         }
-        let gone = scheme.store(mem, &batch, &mut outcomes);
-        missing.add(block, gone);
-        reports.reports(gone, &outcomes);
+        scheme.store(mem, &batch, &mut outcomes);
+        let gone = outcomes.gone();
+        if gone != 0 {
+            missing.add(block, gone);
+            reports.reports(&outcomes);
+        }
     }
     (missing, reports)
 }

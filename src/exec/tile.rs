@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use super::account::Tally;
 use super::drive::{Outcomes, Pipeline};
-use super::frame::{Finisher, Frame, PixelCounts, TileOutput, collected_tile, resolve_tile};
+use super::frame::finish::{Finisher, collected_tile, resolve_tile};
+use super::frame::{Frame, PixelCounts, TileOutput};
 use super::interpret::Interpreted;
 use super::table::TableWords;
 use super::{Instance, Job};
@@ -23,7 +24,7 @@ use crate::num::columns::Columns;
 use crate::raster::Batch;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
-use crate::scheme::{Held, Outcome};
+use crate::scheme::Held;
 
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
@@ -102,7 +103,9 @@ struct Counting {
 
 impl Counting {
     fn reset(&mut self, blocks: usize) {
-        [&mut self.generated, &mut self.gone, &mut self.entered].map(|c| c.reset(blocks));
+        for counts in [&mut self.generated, &mut self.gone, &mut self.entered] {
+            counts.reset(blocks);
+        }
     }
 
     fn of_pixels(&self) -> PixelCounts {
@@ -264,7 +267,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let Tile { counts, reports, batch, .. } = tile;
         counts.reset(grid.pixels_per_tile() / 64);
         *reports = Tally::default();
-        let mut outcomes: Outcomes = [Outcome::Kept; 64];
+        let mut outcomes = Outcomes::default();
         job.front.packets(tile.index, |packet| {
             let block = grid.local_block(packet);
             job.front.fragments(packet, job.record, first + block * 64, batch);
@@ -280,9 +283,12 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
                 counts.entered.add(block, batch.mask());
             }
             if stores {
-                let gone = self.scheme.store(&mem, batch, &mut outcomes);
-                counts.gone.add(block, gone);
-                reports.reports(gone, &outcomes);
+                self.scheme.store(&mem, batch, &mut outcomes);
+                let gone = outcomes.gone();
+                if gone != 0 {
+                    counts.gone.add(block, gone);
+                    reports.reports(&outcomes);
+                }
             } else {
                 self.scheme.prepare(&mem, number, batch);
             }
@@ -323,15 +329,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             collected_tile(&mut tile.collected, counts, finisher, reports)
         } else {
             let (mem, first) = (self.memory(tile), self.first(tile));
-            resolve_tile(
-                |pixel, held| {
-                    self.scheme.resolve(&mem, pixel, held);
-                },
-                first,
-                counts,
-                finisher,
-                reports,
-            )
+            resolve_tile(self.scheme, &mem, first, counts, finisher, reports)
         };
         let counters = tile.observer.counters().cloned().unwrap_or_default();
         let outside = tile.memory.outside() - tile.outside_before;

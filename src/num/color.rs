@@ -27,6 +27,7 @@ pub fn rgba8(rgb: [f32; 3], alpha: f32) -> u32 {
 }
 
 /// The sRGB byte of a linear 16-bit channel.
+#[inline]
 #[must_use]
 pub fn srgb(linear: u16) -> u8 {
     SRGB[usize::from(linear)]

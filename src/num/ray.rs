@@ -25,12 +25,13 @@ impl Ray {
     /// Pass the next surface.
     #[inline]
     pub fn over(&mut self, word: u32) {
-        let [r, g, b, alpha] = word.to_le_bytes().map(u64::from);
-        let weight = u64::from(self.transmittance) * alpha;
+        let [r, g, b, alpha] = word.to_le_bytes().map(u32::from);
+        // At most 65,535 x 255 x 255 + 32,512 < 2^32.
+        let weight = self.transmittance * alpha;
         for (sum, c) in self.color.iter_mut().zip([r, g, b]) {
-            *sum = (*sum + ((weight * c + 32_512) / 65_025) as u32).min(65_535);
+            *sum = (*sum + (weight * c + 32_512) / 65_025).min(65_535);
         }
-        self.transmittance = (self.transmittance * (255 - alpha as u32) + 127) / 255;
+        self.transmittance = (self.transmittance * (255 - alpha) + 127) / 255;
     }
 
     /// Pass what another ray has gathered behind this one.
@@ -112,8 +113,8 @@ impl Ray {
     #[inline]
     #[must_use]
     pub fn finish(self, background: [u16; 3]) -> [u8; 4] {
-        let [r, g, b] = self.before(background).map(srgb);
-        [r, g, b, 255]
+        let [r, g, b] = self.before(background);
+        [srgb(r), srgb(g), srgb(b), 255]
     }
 
     /// Nothing behind can be seen any more.

@@ -4,6 +4,7 @@ pub mod compact;
 pub mod composite;
 pub mod digest;
 pub mod lists;
+mod network;
 pub mod sort;
 
 pub use lists::{Kept, Lists};

@@ -1,6 +1,8 @@
 //! Sorting a pixel's keys into canonical order, front to back. Equal keys are identical fragments, so any correct sort
 //! gives the same list.
 
+use super::network;
+
 /// Up to this length insertion sort is faster.
 const INSERTION: usize = 20;
 
@@ -13,7 +15,8 @@ const GAPS: [usize; 8] = [1, 4, 10, 23, 57, 132, 301, 701];
 /// Which sort.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Sort {
-    /// The fastest that we have: insertion sort up to 20, then the standard library's (`benches/sort.rs`).
+    /// The fastest that we have (`benches/sort.rs`): for keys, networks up to 32; for other entries, insertion sort up
+    /// to 20; then the standard library's.
     #[default]
     Fastest,
     /// As published: insertion sort up to 16, then shell sort.
@@ -21,6 +24,16 @@ pub enum Sort {
 }
 
 impl Sort {
+    /// Sort keys ascending.
+    #[inline]
+    pub fn keys(self, keys: &mut [u64]) {
+        match self {
+            Self::Fastest if keys.len() <= network::MOST => network::sort(keys),
+            Self::Fastest => keys.sort_unstable(),
+            Self::Published => published(keys, || ()),
+        }
+    }
+
     /// Sort ascending.
     #[inline]
     pub fn run<T: Ord + Copy>(self, keys: &mut [T]) {
@@ -99,6 +112,9 @@ mod tests {
                 let mut sorted = keys.clone();
                 sort.run(&mut sorted);
                 assert_eq!(sorted, expected, "{sort:?}");
+                sorted.copy_from_slice(&keys);
+                sort.keys(&mut sorted);
+                assert_eq!(sorted, expected, "{sort:?}, keys");
             }
         }
     }

@@ -122,10 +122,13 @@ pub trait Holds: Default + Send {
 
     /// With its kind.
     fn into_held(self) -> Held;
+
+    /// How many entries it has, if it is a list.
+    fn entries(&self) -> usize;
 }
 
 macro_rules! holds {
-    ($($type:ty: $variant:ident, $kind:ident;)*) => {$(
+    ($($type:ty: $variant:ident, $kind:ident, $entries:expr;)*) => {$(
         impl Holds for $type {
             const KIND: HeldKind = HeldKind::$kind;
 
@@ -143,15 +146,21 @@ macro_rules! holds {
             fn into_held(self) -> Held {
                 Held::$variant(self)
             }
+
+            #[inline]
+            fn entries(&self) -> usize {
+                let entries: fn(&Self) -> usize = $entries;
+                entries(self)
+            }
         }
     )*};
 }
 
 holds! {
-    Keys: Keys, Fragments;
-    Records: Records, Records;
-    Light: Light, Color;
-    Depth: Depth, Depth;
+    Keys: Keys, Fragments, Vec::len;
+    Records: Records, Records, Records::len;
+    Light: Light, Color, |_| 0;
+    Depth: Depth, Depth, |_| 0;
 }
 
 impl Held {

@@ -18,7 +18,8 @@ mod watch;
 
 use super::account::Tally;
 use super::clock::Stopwatch;
-use super::frame::{Finisher, Frame};
+use super::frame::Frame;
+use super::frame::finish::Finisher;
 use super::interpret::Interpreted;
 use super::table::TableWords;
 use super::{Instance, Job};

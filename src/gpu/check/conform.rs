@@ -32,7 +32,7 @@ use crate::raster::{Batch, Record};
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
 use crate::scheme::program::PassKind;
-use crate::scheme::{Config, HeldKind, Outcome};
+use crate::scheme::{Config, HeldKind};
 
 /// Room for a fragment in its buffer: the alignment that devices require of offsets.
 const SLOT: u64 = 256;
@@ -135,9 +135,9 @@ impl Host<'_> {
                 Step::Screen(pass, pixel) => scheme.screen(&mem, pass, pixel..pixel + 1),
                 Step::Frame(pass) => scheme.frame(&mem, pass, 0..scheme.invocations(pass)),
                 Step::Store(i) => {
-                    let mut outcomes: Outcomes = [Outcome::Kept; 64];
+                    let mut outcomes = Outcomes::default();
                     scheme.store(&mem, &Batch::one(self.fragments[i]), &mut outcomes);
-                    outcome = Some(outcomes[0] as u32);
+                    outcome = Some(outcomes.first());
                 }
                 Step::Resolve(_) => {
                     let resolve = |pixel| scheme.resolve(&mem, pixel, &mut self.holds.empty());

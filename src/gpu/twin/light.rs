@@ -15,7 +15,7 @@ use crate::memory::exclusive::Exclusive;
 use crate::raster::Batch;
 use crate::scheme::approximate::{mbt, passing};
 use crate::scheme::program::PassKind;
-use crate::scheme::{Config, Contract, Held, HeldKind, Light, Outcome};
+use crate::scheme::{Config, Contract, Held, HeldKind, Light};
 
 /// The numbers that a method that approximates looks up by opacity (`approximate/table.wgsl`); `None` for others.
 #[must_use]
@@ -80,7 +80,7 @@ impl Simulator {
                     PassKind::Screen => scheme.screen(&mem, number, 0..pixels),
                     PassKind::Frame => scheme.frame(&mem, number, 0..scheme.invocations(number)),
                     PassKind::Store => fragments.iter().for_each(|&fragment| {
-                        let mut outcomes: Outcomes = [Outcome::Kept; 64];
+                        let mut outcomes = Outcomes::default();
                         scheme.store(&mem, &Batch::one(fragment), &mut outcomes);
                     }),
                 }
