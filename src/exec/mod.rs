@@ -20,6 +20,7 @@ pub mod clock;
 pub mod drive;
 pub mod frame;
 pub mod interpret;
+pub mod kit;
 pub mod method;
 pub mod one_pixel;
 pub mod oracle;
@@ -39,6 +40,7 @@ use crate::scheme::{Contract, HeldKind, Keeps};
 
 pub use account::Tally;
 pub use frame::Frame;
+pub use kit::Kit;
 pub use method::{Instance, Method};
 
 /// What is drawn: the same for every executor.
@@ -72,6 +74,8 @@ pub struct Job<'a> {
     pub opaque: u16,
     /// By storage pixel, the depth word behind which fragments do not reach the scheme; empty: all of them do.
     pub culling: Vec<u32>,
+    /// What the frames before have left for this one.
+    pub kit: &'a Kit,
 }
 
 impl Job<'_> {

@@ -59,8 +59,8 @@ fn frame<O: Observer + Default>(
     job: &Job<'_>,
 ) -> Frame {
     let (grid, program) = (&job.front.grid, &job.contract.program);
-    let pixel = Shared::new(layout.per_pixel(), grid.storage_pixels());
-    let global = Shared::new(layout.per_frame(), 1);
+    let pixel = job.kit.memory.shared(layout.per_pixel(), grid.storage_pixels());
+    let global = job.kit.memory.shared(layout.per_frame(), 1);
     let counters = Mutex::new(Counters::default());
     let shared = SharedMemory { pixel, global, inputs: &job.inputs, counters };
 
@@ -126,6 +126,8 @@ fn frame<O: Observer + Default>(
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(job, tiles, &stored.reports, counters);
     let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared.global));
+    job.kit.keep_shared(shared.pixel);
+    job.kit.keep_shared(shared.global);
     Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
 }
 

@@ -51,7 +51,7 @@ fn frame<O: Observer + Default + Send>(
     layout: &Layout,
     job: &Job<'_>,
 ) -> Frame {
-    let global = Shared::new(layout.per_frame(), 1);
+    let global = job.kit.memory.shared(layout.per_frame(), 1);
     let tiles = Tiles { scheme, layout, global: &global, job };
     let cleared = tiles.on_frame(|mem| scheme.clear_frame(mem));
     let outputs = if job.contract.program.is_local() { tiles.each() } else { tiles.together() };
@@ -63,7 +63,9 @@ fn frame<O: Observer + Default + Send>(
     }
     let table = scheme.readback().map(|readback| TableWords::new(&readback, &global));
     let frame = Frame::new(job, done, &Tally::default(), counters);
-    Frame { table, outside: frame.outside + global.outside(), ..frame }
+    let outside = frame.outside + global.outside();
+    job.kit.keep_shared(global);
+    Frame { table, outside, ..frame }
 }
 
 /// The context that all workers share.
@@ -173,6 +175,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let Ok(rounds) = walked;
         let finish = |tile: &mut Tile<O>| self.finish(tile, rounds);
         let mut outputs: Vec<_> = tiles.par_iter_mut().map(finish).collect();
+        tiles.into_iter().for_each(|tile| self.job.kit.keep_owned(tile.memory));
         if let Some((_, first)) = outputs.first_mut() {
             first.merge(&counters);
         }
@@ -187,7 +190,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let pixels = self.job.front.grid.pixels_per_tile();
         Tile {
             index: 0,
-            memory: Owned::new(self.layout.per_pixel(), pixels),
+            memory: self.job.kit.memory.owned(self.layout.per_pixel(), pixels),
             pool: 0..0,
             ahead: Vec::new(),
             counts: Counting::default(),

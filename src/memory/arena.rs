@@ -84,6 +84,16 @@ impl Shared {
 }
 
 impl Shared {
+    /// Whether it is so many records of the given sizes.
+    pub(super) fn has(&self, sizes: Sizes, records: usize) -> bool {
+        [self.words32.len(), self.words64.len()] == total(sizes, records) && self.stride == sizes
+    }
+
+    /// The same words, no access outside of which was counted yet.
+    pub(super) fn again(self) -> Self {
+        Self { outside: Default::default(), ..self }
+    }
+
     /// All values of a run of the frame's words.
     #[must_use]
     pub fn copy<W: Word>(&self, words: Words<Global, Atomic, W>) -> Vec<u64> {
@@ -113,6 +123,16 @@ impl Shared {
 }
 
 impl Owned {
+    /// Whether it is so many records of the given sizes.
+    pub(super) fn has(&self, sizes: Sizes, records: usize) -> bool {
+        [self.words32.len(), self.words64.len()] == total(sizes, records) && self.stride == sizes
+    }
+
+    /// The same words, no access outside of which was counted yet.
+    pub(super) fn again(self) -> Self {
+        Self { outside: Default::default(), ..self }
+    }
+
     /// Accesses so far that went outside of the words.
     #[must_use]
     pub fn outside(&self) -> u64 {

@@ -9,7 +9,7 @@ use super::{Executed, Options, Report, execute};
 use crate::catalogue;
 use crate::error::{Error, Result};
 use crate::exec::frame::Column;
-use crate::exec::{Job, Method, Tally};
+use crate::exec::{Job, Kit, Method, Tally};
 use crate::memory::Inputs;
 use crate::raster::FrontEnd;
 use crate::render::{Exec, Policy, Sim};
@@ -134,6 +134,7 @@ pub(super) fn draw(
         threads,
         opaque: 0,
         culling: Vec::new(),
+        kit: &Kit::default(),
     };
     let executed = execute(Some(&*instance), &job, k, &options)?;
     let report = report(method, &executed, words, nearest, &options, front);

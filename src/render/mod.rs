@@ -20,7 +20,7 @@ use crate::effect::ldi::Voxels;
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
 use crate::exec::sim::{Simulated, policy, schedule};
-use crate::exec::{self, Frame, Instance, Job, Tally};
+use crate::exec::{self, Frame, Instance, Job, Kit, Tally};
 use crate::image::Image;
 use crate::image::linear::Linear;
 use crate::memory::Counters;
@@ -117,14 +117,23 @@ const GARBAGE: u64 = 0xDEAD_BEEF_5EED_F00D;
 /// # Ok::<(), fragloom::error::Error>(())
 /// ```
 pub fn render(scene: &Scene, options: &Options) -> Result<Rendering> {
+    render_with(scene, options, &Kit::default())
+}
+
+/// As [`render()`], with what earlier frames have left in `kit`: the same bytes, sooner, as long as the method reads
+/// nothing that its clear pass has not written ([`crate::memory::reuse`]).
+///
+/// # Errors
+/// As [`render()`].
+pub fn render_with(scene: &Scene, options: &Options, kit: &Kit) -> Result<Rendering> {
     options.check()?;
     let threads = options.worker_threads();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
-    pool.install(|| draw(scene, options, threads))
+    pool.install(|| draw(scene, options, threads, kit))
 }
 
-fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
+fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<Rendering> {
     let (method, contract) = (options.method, options.method.contract());
     effects::check(options, scene)?;
     let mut watch = Stopwatch::start();
@@ -165,12 +174,15 @@ fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<Rendering> {
         threads,
         opaque: options.table.opaque(),
         culling: bounds.unwrap_or_default(),
+        kit,
     };
     limits::kept(options, &job)?;
     limits::voxels(options, &grid)?;
     let mut executed = execute(instance.as_deref(), &job, k, options)?;
     watch.lap("draw");
     let (kept, composited) = executed.frame.assemble(&grid);
+    let tiles = std::mem::take(&mut executed.frame.tiles);
+    kit.keep(tiles);
     watch.lap("assemble");
     let mut report = account(scene, options, &front, &executed);
     let (format, data) = (job.record.depth, job.record.data);

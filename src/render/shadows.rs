@@ -4,6 +4,7 @@ use super::{Exec, Options, Report, ShadowReport, Sim, TableOptions};
 use crate::effect::Effect;
 use crate::effect::lens::Lens;
 use crate::effect::shadow::{self, ShadowMap};
+use crate::exec::Kit;
 use crate::error::{Error, Result};
 use crate::fragment::Data;
 use crate::raster::CullFace;
@@ -40,7 +41,8 @@ pub(super) fn draw(scene: &Scene, options: &Options, threads: usize) -> Result<S
     let camera = Camera::of_light(Bounds::of(&scene.objects), scene.light.towards);
     camera.check("--shadows")?;
     let bias = asked.bias.unwrap_or_else(|| shadow::default_bias(&camera, size));
-    let drawn = super::draw(&lit(scene, camera, size), &plain(options), threads)?;
+    let kit = Kit::default();
+    let drawn = super::draw(&lit(scene, camera, size), &plain(options), threads, &kit)?;
     let report = ShadowReport {
         size,
         bias,

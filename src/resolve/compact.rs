@@ -21,6 +21,14 @@ pub struct Compact {
 }
 
 impl Compact {
+    /// Forget all, and keep the room.
+    pub fn clear(&mut self) {
+        self.keys.clear();
+        self.nears.clear();
+        self.records.clear();
+        self.scale = Scale::default();
+    }
+
     /// Make room for so many that are one fragment each.
     pub fn reserve(&mut self, count: usize) {
         self.keys.reserve_exact(count);

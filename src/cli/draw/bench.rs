@@ -9,8 +9,8 @@ use crate::cli::options::importance::culling;
 use crate::cli::options::{settings, values};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::exec::Method;
-use crate::render::{Data, Exec, Options, render};
+use crate::exec::{Kit, Method};
+use crate::render::{Data, Exec, Options, render_with};
 use crate::report::json;
 use crate::report::text::{Align, columns};
 use crate::scene::{self, Overrides, Scene, Shading, Thickness};
@@ -188,9 +188,15 @@ fn rows_of(
         let plain = options(args, method, exec, 8, thickness);
         let culled = words.map(|words| Options { cull: Some(words), ..plain.clone() });
         let (mut without, mut with) = (Vec::new(), Vec::new());
-        for _ in 0..args.repeats {
-            without.push(once(scene, &plain)?);
-            with.extend(culled.as_ref().map(|options| once(scene, options)).transpose()?);
+        // The first frame is not timed, as on devices: it makes the system hand out pages.
+        let kits = [(); 2].map(|()| Kit::of_several());
+        for run in 0..=args.repeats {
+            let plain = once(scene, &plain, &kits[0])?;
+            let culled = culled.as_ref().map(|options| once(scene, options, &kits[1])).transpose()?;
+            if run > 0 {
+                without.push(plain);
+                with.extend(culled);
+            }
         }
         rows.push(row(&without));
         if let Some(words) = words {
@@ -211,8 +217,8 @@ struct TimedFrame {
     frame: f64,
 }
 
-fn once(scene: &Scene, options: &Options) -> Result<TimedFrame> {
-    let report = render(scene, options)?.report;
+fn once(scene: &Scene, options: &Options, kit: &Kit) -> Result<TimedFrame> {
+    let report = render_with(scene, options, kit)?.report;
     let of = |phase: &str| report.seconds.get(phase).copied().unwrap_or_default();
     let frame = of("draw") + of("culling");
     let row = Timing {
@@ -305,7 +311,7 @@ mod devices {
     //! Alternating with devices.
 
     use super::{
-        Args, Exec, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once, options,
+        Args, Exec, Kit, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once, options,
         row,
     };
     use crate::gpu::check::crosscheck::find;
@@ -328,10 +334,12 @@ mod devices {
             let contender = Contender::new(&opened.device, &picture, twin, args.k);
             for exec in [Exec::Tile, Exec::Threads] {
                 let options = options(args, method, exec, opened.bits(), thickness);
-                let mut runs = Vec::new();
+                let (mut runs, kit) = (Vec::new(), Kit::of_several());
+                // The first frame is not timed, on either side.
+                once(scene, &options, &kit)?;
                 let mut failed = None;
                 let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {
-                    contender.seconds(args.k, args.repeats, || match once(scene, &options) {
+                    contender.seconds(args.k, args.repeats, || match once(scene, &options, &kit) {
                         Ok(run) => runs.push(run),
                         Err(error) => failed = Some(error),
                     })
@@ -340,7 +348,7 @@ mod devices {
                     return Err(error);
                 }
                 if runs.is_empty() {
-                    runs.push(once(scene, &options)?);
+                    runs.push(once(scene, &options, &kit)?);
                 }
                 rows.push(beside(&runs, opened, theirs));
             }

@@ -24,7 +24,8 @@ impl<'a> Finisher<'a> {
     /// For one tile.
     #[must_use]
     pub fn new(job: &'a Job<'a>, tile: usize) -> Self {
-        let mut output = TileOutput { column: Column::new(job.holds), ..TileOutput::default() };
+        let room = job.kit.tile(tile);
+        let mut output = TileOutput { column: Column::of(job.holds, room.column), ..room };
         let pixels = job.front.grid.pixels_per_tile();
         output.counts.reserve_exact(pixels);
         output.colors.reserve_exact(pixels);
@@ -248,8 +249,8 @@ pub fn resolve_tile<M>(
     let pixels = first..first + counts.generated.len() as u32;
     if let Column::Keys(keys) = &mut finisher.output.column {
         // Lists are resolved straight into the tile's column.
-        let (mut held, mut ends) = (Held::Keys(std::mem::take(keys)), Vec::new());
-        ends.reserve_exact(counts.generated.len());
+        let mut held = Held::Keys(std::mem::take(keys));
+        let mut ends = std::mem::take(&mut finisher.output.counts);
         scheme.resolve_all(mem, pixels, &mut held, Some(&mut ends));
         if let Held::Keys(keys) = held {
             finisher.lists(keys, ends, counts);

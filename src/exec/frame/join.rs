@@ -9,13 +9,13 @@ use crate::resolve::{Kept, Lists};
 use crate::scheme::{Depth, Light};
 
 impl Frame {
-    /// What the pixels hold, and the picture, row by row. The tiles are consumed.
+    /// What the pixels hold, and the picture, row by row.
     #[must_use]
-    pub fn assemble(&mut self, grid: &Grid) -> (Kept, Image) {
-        let tiles = std::mem::take(&mut self.tiles);
+    pub fn assemble(&self, grid: &Grid) -> (Kept, Image) {
+        let tiles = &self.tiles;
         let (kept, pixels) = match tiles.first().map(|tile| &tile.column) {
             Some(Column::Records(_)) => {
-                let (lists, pixels) = join(&tiles, grid, |column, first, out| {
+                let (lists, pixels) = join(tiles, grid, |column, first, out| {
                     if let Column::Records(records) = column {
                         records.copy(first, out);
                     }
@@ -23,23 +23,23 @@ impl Frame {
                 (Kept::Records(lists), pixels)
             }
             Some(Column::Lights(_)) => {
-                let (_, pixels) = join::<u64>(&tiles, grid, |_, _, _| ());
+                let (_, pixels) = join::<u64>(tiles, grid, |_, _, _| ());
                 let light = |column: &Column, i: usize| match column {
                     Column::Lights(lights) => lights[i],
                     _ => Light::default(),
                 };
-                (Kept::Color(each(&tiles, grid, light)), pixels)
+                (Kept::Color(each(tiles, grid, light)), pixels)
             }
             Some(Column::Depths(_)) => {
-                let (_, pixels) = join::<u64>(&tiles, grid, |_, _, _| ());
+                let (_, pixels) = join::<u64>(tiles, grid, |_, _, _| ());
                 let depth = |column: &Column, i: usize| match column {
                     Column::Depths(depths) => depths[i],
                     _ => Depth::default(),
                 };
-                (Kept::Depths(each(&tiles, grid, depth)), pixels)
+                (Kept::Depths(each(tiles, grid, depth)), pixels)
             }
             Some(Column::Keys(_)) | None => {
-                let (lists, pixels) = join(&tiles, grid, |column, first, out| {
+                let (lists, pixels) = join(tiles, grid, |column, first, out| {
                     out.copy_from_slice(&column.keys()[first..first + out.len()]);
                 });
                 (Kept::Fragments(lists), pixels)

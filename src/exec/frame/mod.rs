@@ -69,13 +69,35 @@ impl Default for Column {
     }
 }
 
+impl TileOutput {
+    /// Without contents, but with its room.
+    #[must_use]
+    pub fn emptied(mut self) -> Self {
+        self.counts.clear();
+        self.colors.clear();
+        match &mut self.column {
+            Column::Keys(keys) => keys.clear(),
+            Column::Records(records) => records.clear(),
+            Column::Lights(lights) => lights.clear(),
+            Column::Depths(depths) => depths.clear(),
+        }
+        let Self { counts, colors, column, .. } = self;
+        Self { counts, colors, column, ..Self::default() }
+    }
+}
+
 impl Column {
-    fn new(kind: HeldKind) -> Self {
-        match kind {
-            HeldKind::Fragments => Self::Keys(Vec::new()),
-            HeldKind::Records => Self::Records(Compact::default()),
-            HeldKind::Color => Self::Lights(Vec::new()),
-            HeldKind::Depth => Self::Depths(Vec::new()),
+    /// Of this kind; `room` is an empty one that may have been of another.
+    fn of(kind: HeldKind, room: Self) -> Self {
+        match (kind, room) {
+            (HeldKind::Fragments, Self::Keys(keys)) => Self::Keys(keys),
+            (HeldKind::Fragments, _) => Self::Keys(Vec::new()),
+            (HeldKind::Records, Self::Records(records)) => Self::Records(records),
+            (HeldKind::Records, _) => Self::Records(Compact::default()),
+            (HeldKind::Color, Self::Lights(lights)) => Self::Lights(lights),
+            (HeldKind::Color, _) => Self::Lights(Vec::new()),
+            (HeldKind::Depth, Self::Depths(depths)) => Self::Depths(depths),
+            (HeldKind::Depth, _) => Self::Depths(Vec::new()),
         }
     }
 

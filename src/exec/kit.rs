@@ -1,0 +1,59 @@
+//! What executors keep from one frame to the next: storage, and room for results.
+
+use std::sync::Mutex;
+
+use super::frame::TileOutput;
+use crate::memory::arena::{Owned, Shared};
+use crate::memory::reuse::Reuse;
+
+/// Storage and room that are not in use. By default nothing is kept, since no other frame follows.
+#[derive(Debug, Default)]
+pub struct Kit {
+    /// Whether another frame follows.
+    keeps: bool,
+    /// Words of memory.
+    pub memory: Reuse,
+    /// Results that were consumed, by tile.
+    tiles: Mutex<Vec<TileOutput>>,
+}
+
+impl Kit {
+    /// For several frames, one after another.
+    #[must_use]
+    pub fn of_several() -> Self {
+        Self { keeps: true, ..Self::default() }
+    }
+
+    /// Keep words that many threads shared.
+    pub fn keep_shared(&self, shared: Shared) {
+        if self.keeps {
+            self.memory.keep_shared(shared);
+        }
+    }
+
+    /// Keep words that one thread owned.
+    pub fn keep_owned(&self, owned: Owned) {
+        if self.keeps {
+            self.memory.keep_owned(owned);
+        }
+    }
+
+    /// Room for the results of a tile: empty, with the capacity of the frame before.
+    #[must_use]
+    pub fn tile(&self, index: usize) -> TileOutput {
+        let mut tiles = match self.tiles.lock() {
+            Ok(tiles) => tiles,
+            Err(_) => return TileOutput::default(),
+        };
+        tiles.get_mut(index).map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Keep the room of all tiles for the next frame.
+    pub fn keep(&self, used: Vec<TileOutput>) {
+        if self.keeps
+            && let Ok(mut tiles) = self.tiles.lock()
+        {
+            *tiles = used.into_iter().map(TileOutput::emptied).collect();
+        }
+    }
+}
