@@ -46,7 +46,8 @@ impl Edge {
 }
 
 /// The covered pixels of the 8x8 block whose first pixel is (x, y): bit `8 * dy + dx`.
-#[inline]
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
 #[must_use]
 pub fn block_mask(edges: &[Edge; 3], x: u32, y: u32) -> u64 {
     let far = (BLOCK - 1) as i32;
@@ -69,29 +70,42 @@ pub fn block_mask(edges: &[Edge; 3], x: u32, y: u32) -> u64 {
 }
 
 /// The mask of a block that at least one edge cuts; `i32::MAX` marks an edge that does not.
-#[inline]
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
 fn partial_mask(edges: &[Edge; 3], corners: [i32; 3]) -> u64 {
-    let mut mask = u64::MAX;
+    // The sign of what is inside all half-planes.
+    let mut inside = [0i32; 64];
     for (edge, corner) in edges.iter().zip(corners) {
         if corner != i32::MAX {
-            mask &= half_plane(edge.a, edge.b, corner);
+            half_plane(edge.a, edge.b, corner, &mut inside);
         }
     }
-    mask
+    signs(&inside)
 }
 
-/// Bits of the block where `corner + a * dx + b * dy >= 0`.
-#[inline]
-fn half_plane(a: i32, b: i32, corner: i32) -> u64 {
+/// Make negative what does not have `corner + a * dx + b * dy >= 0`.
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
+fn half_plane(a: i32, b: i32, corner: i32, inside: &mut [i32; 64]) {
     let row: [i32; 8] = std::array::from_fn(|x| corner + a * x as i32);
-    let mut mask = 0u64;
-    for y in 0..8 {
+    for (y, values) in (0..).zip(inside.chunks_exact_mut(8)) {
         let offset = b * y;
-        let mut outside = 0u32;
-        for (x, value) in row.iter().enumerate() {
-            outside |= (((value + offset) >> 31) as u32) & (1 << x);
+        for (value, from) in values.iter_mut().zip(row) {
+            *value |= from + offset;
         }
-        mask |= u64::from(!outside & 0xFF) << (8 * y);
     }
-    mask
+}
+
+/// The bits of the values that are not negative.
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
+fn signs(values: &[i32; 64]) -> u64 {
+    let bytes: [u8; 64] = std::array::from_fn(|i| (values[i] >> 31) as u8 & 1);
+    let mut outside = 0;
+    for (y, row) in (0..).zip(bytes.as_chunks().0) {
+        // Eight bytes of 0 or 1 become eight bits side by side.
+        let bits = u64::from_le_bytes(*row).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        outside |= bits << (8 * y);
+    }
+    !outside
 }

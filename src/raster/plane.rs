@@ -12,6 +12,7 @@
 use super::batch::{Lanes, bits};
 use super::clip::{Polygon, Snapped, UNITS, doubled_area};
 use crate::fragment::BLOCK;
+use crate::num::lanes::wide;
 
 /// Fraction bits of the coefficients.
 const FRACTION: u32 = 24;
@@ -82,13 +83,18 @@ impl DepthPlane {
                 codes[bit as usize] = self.code(self.step(origin, bit % BLOCK, bit / BLOCK));
             }
         } else {
-            self.narrow(self.at(x, y).wrapping_add(HALF), codes);
+            let origin = self.at(x, y).wrapping_add(HALF);
+            wide(
+                #[inline(always)]
+                || self.narrow(origin, codes),
+            );
         }
     }
 
     /// All codes of a block, in 32 bits. Each coefficient is split into whole codes, modulo 2^32, and its fraction;
     /// up to 15 fractions fit a word.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "see `lanes`")]
+    #[inline(always)]
     fn narrow(&self, origin: i64, codes: &mut Lanes) {
         let split = |v: i64| ((v >> FRACTION) as u32, v as u32 & ((1 << FRACTION) - 1));
         let [(whole, part), a, b] = [origin, self.a, self.b].map(split);
@@ -140,18 +146,18 @@ fn carrier(polygon: &Polygon) -> Option<[Snapped; 3]> {
 pub(super) fn coefficients(v0: Snapped, v1: Snapped, v2: Snapped) -> [i128; 3] {
     let area = i128::from(doubled_area([v0, v1, v2]));
     let sign = area.signum();
-    let (x1, y1, z1) = (wide(v1.x) - wide(v0.x), wide(v1.y) - wide(v0.y), wide(v1.z) - wide(v0.z));
-    let (x2, y2, z2) = (wide(v2.x) - wide(v0.x), wide(v2.y) - wide(v0.y), wide(v2.z) - wide(v0.z));
+    let (x1, y1, z1) = (long(v1.x) - long(v0.x), long(v1.y) - long(v0.y), long(v1.z) - long(v0.z));
+    let (x2, y2, z2) = (long(v2.x) - long(v0.x), long(v2.y) - long(v0.y), long(v2.z) - long(v0.z));
     let slope_x = sign * (z1 * y2 - z2 * y1);
     let slope_y = sign * (z2 * x1 - z1 * x2);
-    let half = wide(UNITS / 2);
+    let half = long(UNITS / 2);
     let area = area.abs();
-    let origin = wide(v0.z) * area + slope_x * (half - wide(v0.x)) + slope_y * (half - wide(v0.y));
-    let unit = wide(UNITS);
+    let origin = long(v0.z) * area + slope_x * (half - long(v0.x)) + slope_y * (half - long(v0.y));
+    let unit = long(UNITS);
     [slope_x * unit, slope_y * unit, origin].map(|n| divide_rounding(n << FRACTION, area))
 }
 
-fn wide(v: impl Into<i128>) -> i128 {
+fn long(v: impl Into<i128>) -> i128 {
     v.into()
 }
 

@@ -99,7 +99,8 @@ impl Primitive {
     }
 
     /// Covered pixels of the block whose first pixel is (x, y), both multiples of 8, within `bounds`.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "see `lanes`")]
+    #[inline(always)]
     #[must_use]
     pub fn mask(&self, x: u32, y: u32) -> u64 {
         match &self.coverage {
@@ -110,7 +111,8 @@ impl Primitive {
 
     /// Call `emit(x, y, mask)` for every block with covered pixels in `window`, row by row. Blocks are 8x8 and lie on
     /// multiples of 8.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "see `lanes`")]
+    #[inline(always)]
     pub fn blocks(&self, window: Rect, mut emit: impl FnMut(u32, u32, u64)) {
         let area = self.bounds.intersect(window);
         if area.is_empty() {
@@ -143,6 +145,7 @@ impl Coverage {
 }
 
 /// Pixels whose signed coverages sum to more than 0.
+#[inline(never)]
 fn fan_mask(fan: &[([Edge; 3], i8)], x: u32, y: u32) -> u64 {
     let mut sums = [0i8; 64];
     for (edges, sign) in fan {

@@ -7,7 +7,9 @@ use crate::exec::Job;
 use crate::exec::account::Tally;
 use crate::exec::drive::Pipeline;
 use crate::fragment::{Data, data_of, depth_of};
+use crate::num::lanes::wide;
 use crate::num::ray::Ray;
+use crate::num::rays::{RAYS, Rays};
 use crate::scheme::{Held, Record, Records, Scale, Single};
 
 /// Merged records of a pixel that room is made for: the `-k` that is usual.
@@ -95,22 +97,41 @@ impl<'a> Finisher<'a> {
         ends: &mut [u32],
         color: impl Fn(u32, u64) -> u32,
     ) {
-        let (mut rest, mut begin) = (keys, 0);
-        for (local, end) in (0..).zip(ends) {
-            let count = *end - begin;
-            begin = std::mem::replace(end, count);
-            let (own, behind) = std::mem::take(&mut rest).split_at_mut(count as usize);
-            rest = behind;
-            job.sort.keys(own);
-            let mut ray = Ray::default();
-            for &key in own.iter() {
-                ray.over(color(local, key));
-                if ray.is_opaque() {
-                    break;
-                }
-            }
-            colors.push(ray.finish(job.background));
+        let mut begin = 0;
+        for end in ends.iter_mut() {
+            job.sort.keys(&mut keys[begin as usize..*end as usize]);
+            begin = std::mem::replace(end, *end - begin);
         }
+        // From here on, `ends` are numbers of entries.
+        wide(
+            #[inline(always)]
+            || {
+                let mut first = 0;
+                for (counts, local) in ends.chunks(RAYS).zip((0..).step_by(RAYS)) {
+                    let starts: [usize; RAYS] = std::array::from_fn(|i| {
+                        let start = first;
+                        first += counts.get(i).map_or(0, |&count| count as usize);
+                        start
+                    });
+                    let counts: [u32; RAYS] =
+                        std::array::from_fn(|i| counts.get(i).copied().unwrap_or(0));
+                    let longest = counts.iter().copied().max().unwrap_or(0);
+                    let mut rays = Rays::default();
+                    for entry in 0..longest {
+                        rays.over(std::array::from_fn(|i| {
+                            let own = entry < counts[i];
+                            let key = if own { keys[starts[i] + entry as usize] } else { 0 };
+                            if own { color(local + i as u32, key) } else { 0 }
+                        }));
+                        if rays.are_opaque() {
+                            break;
+                        }
+                    }
+                    let finish = |i| rays.ray(i).finish(job.background);
+                    colors.extend((0..RAYS).map(finish));
+                }
+            },
+        );
     }
 
     /// What is one fragment each, and how many fragments were merged into others.

@@ -17,6 +17,7 @@ use super::shade::{Attenuation, Surface};
 use super::slab::Slabs;
 use crate::fragment::{BLOCK, Packet};
 use crate::num::columns::Columns;
+use crate::num::lanes::wide;
 use crate::num::planes::Planes;
 use crate::scene::Scene;
 
@@ -248,9 +249,14 @@ impl FrontEnd {
     #[inline]
     pub fn packets(&self, tile: usize, mut emit: impl FnMut(Packet)) {
         let window = self.grid.tile_rect(tile);
-        for &index in &self.binned[self.starts[tile]..self.starts[tile + 1]] {
-            self.primitive_packets(index, window, &mut emit);
-        }
+        wide(
+            #[inline(always)]
+            || {
+                for &index in &self.binned[self.starts[tile]..self.starts[tile + 1]] {
+                    self.primitive_packets(index, window, &mut emit);
+                }
+            },
+        );
     }
 
     /// Call `emit` for every packet of the whole image, in submission order of primitives.
@@ -262,7 +268,8 @@ impl FrontEnd {
     }
 
     /// Call `emit` for every packet of one primitive inside `window`, row by row.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "see `lanes`")]
+    #[inline(always)]
     pub fn primitive_packets(&self, index: u32, window: Rect, mut emit: impl FnMut(Packet)) {
         let primitive = &self.primitives[index as usize];
         let masked = self.masked.then(|| self.surface(primitive)).filter(|s| s.is_masked());

@@ -1,0 +1,86 @@
+//! Eight rays at once, by the arithmetic of [`super::ray`].
+
+use super::ray::Ray;
+
+/// How many.
+pub const RAYS: usize = 8;
+
+/// Eight rays, part by part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rays {
+    color: [[u32; RAYS]; 3],
+    transmittance: [u32; RAYS],
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        let Ray { color, transmittance } = Ray::default();
+        Self { color: color.map(|c| [c; RAYS]), transmittance: [transmittance; RAYS] }
+    }
+}
+
+#[allow(clippy::inline_always, reason = "see `super::lanes`")]
+impl Rays {
+    /// Pass the next surface of each; a surface of opacity 0 is none.
+    #[inline(always)]
+    pub fn over(&mut self, words: [u32; RAYS]) {
+        let mut weight = [0; RAYS];
+        for i in 0..RAYS {
+            weight[i] = self.transmittance[i] * (words[i] >> 24);
+        }
+        for (c, sums) in self.color.iter_mut().enumerate() {
+            for i in 0..RAYS {
+                let light = weight[i] * (words[i] >> (8 * c) & 0xFF);
+                sums[i] = (sums[i] + (light + 32_512) / 65_025).min(65_535);
+            }
+        }
+        for i in 0..RAYS {
+            let passes = 255 - (words[i] >> 24);
+            self.transmittance[i] = (self.transmittance[i] * passes + 127) / 255;
+        }
+    }
+
+    /// Nothing behind can be seen any more, by none of them.
+    #[inline(always)]
+    #[must_use]
+    pub fn are_opaque(&self) -> bool {
+        self.transmittance.iter().fold(0, |all, t| all | t) == 0
+    }
+
+    /// One of them.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, i: usize) -> Ray {
+        Ray { color: [0, 1, 2].map(|c| self.color[c][i]), transmittance: self.transmittance[i] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::num::lanes::wide;
+
+    proptest! {
+        #[test]
+        fn as_one_ray_after_another(
+            lists in prop::collection::vec(prop::array::uniform8(any::<u32>()), 0..12),
+            opaque in any::<bool>(),
+        ) {
+            let words = |i: usize| lists[i].map(|word| if opaque { word | 0xFF00_0000 } else { word });
+            let mut one = [Ray::default(); RAYS];
+            let (mut narrow, mut all) = (Rays::default(), Rays::default());
+            for i in 0..lists.len() {
+                one.iter_mut().zip(words(i)).for_each(|(ray, word)| ray.over(word));
+                narrow.over(words(i));
+                wide(|| all.over(words(i)));
+            }
+            prop_assert_eq!(narrow, all);
+            for (i, ray) in one.into_iter().enumerate() {
+                prop_assert_eq!(all.ray(i), ray);
+            }
+            prop_assert_eq!(all.are_opaque(), one.iter().all(Ray::is_opaque));
+        }
+    }
+}
