@@ -4,6 +4,8 @@
 //! mask is to add 64 numbers of one digit with carry, which ends after two digits on average (Harley and Seal's
 //! carry-save counting, in Warren, "Hacker's Delight", 2nd edition 2012, section 5-1).
 
+use super::lanes::wide;
+
 /// 64 counters for each of a number of places.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
@@ -57,16 +59,17 @@ impl Columns {
 
     /// Add the counters of the places from `first` on to `counts`, 64 for each place.
     pub fn add_to(&self, first: usize, counts: &mut [u32]) {
-        for (place, counts) in (first..).zip(counts.chunks_exact_mut(64)) {
-            for (digits, d) in self.digits.chunks_exact(self.places.max(1)).zip(0..) {
-                let digit = digits[place];
-                if digit != 0 {
-                    for (bit, count) in counts.iter_mut().enumerate() {
-                        *count += ((digit >> bit & 1) as u32) << d;
+        let counts = counts.as_chunks_mut::<64>().0;
+        wide(
+            #[inline(always)]
+            || {
+                for (place, counts) in (first..).zip(counts) {
+                    for (digits, d) in self.digits.chunks_exact(self.places.max(1)).zip(0..) {
+                        add_digit(digits[place], d, counts);
                     }
                 }
-            }
-        }
+            },
+        );
     }
 
     /// All counters, 64 for each place.
@@ -75,6 +78,20 @@ impl Columns {
         let mut counts = vec![0; 64 * self.places];
         self.add_to(0, &mut counts);
         counts
+    }
+}
+
+/// Add 2^d to the counts at the bits of a digit.
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
+fn add_digit(digit: u64, d: u32, counts: &mut [u32; 64]) {
+    if digit == 0 {
+        return;
+    }
+    for (half, counts) in [digit as u32, (digit >> 32) as u32].into_iter().zip(counts.chunks_mut(32)) {
+        for (bit, count) in counts.iter_mut().enumerate() {
+            *count += (half >> bit & 1) << d;
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Eight rays at once, by the arithmetic of [`super::ray`].
 
+use super::color::srgb;
 use super::ray::Ray;
 
 /// How many.
@@ -47,6 +48,25 @@ impl Rays {
         self.transmittance.iter().fold(0, |all, t| all | t) == 0
     }
 
+    /// Meet the background, and encode to opaque sRGB pixels.
+    #[inline(always)]
+    #[must_use]
+    pub fn finish(&self, background: [u16; 3]) -> [[u8; 4]; RAYS] {
+        let mut light = [[0; RAYS]; 3];
+        for c in 0..3 {
+            let behind = u32::from(background[c]);
+            for i in 0..RAYS {
+                // At most 65,535 x 65,535 + 32,767 < 2^32.
+                let passes = (self.transmittance[i] * behind + 32_767) / 65_535;
+                light[c][i] = (self.color[c][i] + passes).min(65_535);
+            }
+        }
+        std::array::from_fn(|i| {
+            let [r, g, b] = [0, 1, 2].map(|c| srgb(light[c][i] as u16));
+            [r, g, b, 255]
+        })
+    }
+
     /// One of them.
     #[inline(always)]
     #[must_use]
@@ -79,6 +99,7 @@ mod tests {
             prop_assert_eq!(narrow, all);
             for (i, ray) in one.into_iter().enumerate() {
                 prop_assert_eq!(all.ray(i), ray);
+                prop_assert_eq!(all.finish([0, 14_028, 65_535])[i], ray.finish([0, 14_028, 65_535]));
             }
             prop_assert_eq!(all.are_opaque(), one.iter().all(Ray::is_opaque));
         }

@@ -73,27 +73,23 @@ pub fn block_mask(edges: &[Edge; 3], x: u32, y: u32) -> u64 {
 #[allow(clippy::inline_always, reason = "see `lanes`")]
 #[inline(always)]
 fn partial_mask(edges: &[Edge; 3], corners: [i32; 3]) -> u64 {
-    // The sign of what is inside all half-planes.
-    let mut inside = [0i32; 64];
-    for (edge, corner) in edges.iter().zip(corners) {
-        if corner != i32::MAX {
-            half_plane(edge.a, edge.b, corner, &mut inside);
+    // An edge that does not cut the block is 0 everywhere, which is inside.
+    let steps: [[i32; 3]; 3] = std::array::from_fn(|i| match corners[i] {
+        i32::MAX => [0; 3],
+        corner => [corner, edges[i].a, edges[i].b],
+    });
+    let first = steps.map(|[corner, a, _]| -> [i32; 8] {
+        std::array::from_fn(|x| corner + a * x as i32)
+    });
+    // The sign of what lies outside of one of them.
+    let mut values = [0i32; 64];
+    for (y, row) in (0..).zip(values.chunks_exact_mut(8)) {
+        let [p, q, r] = steps.map(|[.., b]| b * y);
+        for (x, value) in row.iter_mut().enumerate() {
+            *value = (first[0][x] + p) | (first[1][x] + q) | (first[2][x] + r);
         }
     }
-    signs(&inside)
-}
-
-/// Make negative what does not have `corner + a * dx + b * dy >= 0`.
-#[allow(clippy::inline_always, reason = "see `lanes`")]
-#[inline(always)]
-fn half_plane(a: i32, b: i32, corner: i32, inside: &mut [i32; 64]) {
-    let row: [i32; 8] = std::array::from_fn(|x| corner + a * x as i32);
-    for (y, values) in (0..).zip(inside.chunks_exact_mut(8)) {
-        let offset = b * y;
-        for (value, from) in values.iter_mut().zip(row) {
-            *value |= from + offset;
-        }
-    }
+    signs(&values)
 }
 
 /// The bits of the values that are not negative.

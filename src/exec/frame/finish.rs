@@ -103,6 +103,7 @@ impl<'a> Finisher<'a> {
             begin = std::mem::replace(end, *end - begin);
         }
         // From here on, `ends` are numbers of entries.
+        let nothing = Ray::default().finish(job.background);
         wide(
             #[inline(always)]
             || {
@@ -116,6 +117,10 @@ impl<'a> Finisher<'a> {
                     let counts: [u32; RAYS] =
                         std::array::from_fn(|i| counts.get(i).copied().unwrap_or(0));
                     let longest = counts.iter().copied().max().unwrap_or(0);
+                    if longest == 0 {
+                        colors.extend([nothing; RAYS]);
+                        continue;
+                    }
                     let mut rays = Rays::default();
                     for entry in 0..longest {
                         rays.over(std::array::from_fn(|i| {
@@ -127,8 +132,7 @@ impl<'a> Finisher<'a> {
                             break;
                         }
                     }
-                    let finish = |i| rays.ray(i).finish(job.background);
-                    colors.extend((0..RAYS).map(finish));
+                    colors.extend(rays.finish(job.background));
                 }
             },
         );
