@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
-use crate::memory::Memory;
+use crate::memory::{Memory, Order};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
 use crate::scheme::{Held, Holds, Outcome, Readback, Scheme};
@@ -81,6 +81,12 @@ pub trait Pipeline<M>: Sync {
     fn clear(&self, mem: &M, pixels: Range<u32>);
     /// Run an earlier geometry pass for fragments, one after another.
     fn prepare(&self, mem: &M, pass: usize, batch: &Batch);
+    /// Whether an earlier geometry pass does nothing but count fragments. If so, run it for the pixels from `first` on,
+    /// which have so many; of none, it only tells.
+    fn count(&self, mem: &M, pass: usize, first: u32, counts: &[u32]) -> bool {
+        let _ = (mem, pass, first, counts);
+        false
+    }
     /// Run a full-screen pass for a range of pixels.
     fn screen(&self, mem: &M, pass: usize, pixels: Range<u32>);
     /// Run a part of a pass over the frame's words.
@@ -134,6 +140,14 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         for fragment in batch.iter() {
             complete(Scheme::prepare(self, mem, pass, fragment));
         }
+    }
+
+    fn count(&self, mem: &M, pass: usize, first: u32, counts: &[u32]) -> bool {
+        let Some(words) = self.counts(pass) else { return false };
+        for (pixel, &count) in (first..).zip(counts) {
+            complete(mem.add(words.at(pixel, 0), count, Order::Relaxed));
+        }
+        true
     }
 
     fn screen(&self, mem: &M, pass: usize, pixels: Range<u32>) {
@@ -213,6 +227,10 @@ mod tests {
             assert_eq!(outcomes.gone(), gone);
         }
         outcomes.reset(5);
-        assert_eq!((outcomes.gone(), outcomes.count(Outcome::Kept)), (0, 64), "nothing is left over");
+        assert_eq!(
+            (outcomes.gone(), outcomes.count(Outcome::Kept)),
+            (0, 64),
+            "nothing is left over"
+        );
     }
 }

@@ -25,9 +25,9 @@ use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
+use crate::scheme::Held;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
-use crate::scheme::Held;
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.
 const MESSAGE: usize = 64;

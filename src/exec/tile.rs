@@ -22,9 +22,9 @@ use crate::memory::exclusive::Exclusive;
 use crate::memory::{Ahead, Counters, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
+use crate::scheme::Held;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
-use crate::scheme::Held;
 
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
@@ -270,6 +270,16 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         let Tile { counts, reports, batch, .. } = tile;
         counts.reset(grid.pixels_per_tile() / 64);
         *reports = Tally::default();
+        // What is counted one by one must be done one by one.
+        if !stores && !culls && tile.observer.counters().is_none() {
+            if self.scheme.count(&mem, number, first, &[]) {
+                job.front.packets(tile.index, |packet| {
+                    counts.generated.add(grid.local_block(packet) as usize, packet.mask);
+                });
+                self.scheme.count(&mem, number, first, &counts.generated.counts());
+                return;
+            }
+        }
         let mut outcomes = Outcomes::default();
         job.front.packets(tile.index, |packet| {
             let block = grid.local_block(packet);

@@ -130,6 +130,15 @@ macro_rules! word {
                     Update::Add(v) => cell.fetch_add(v, ordering),
                     Update::And(v) => cell.fetch_and(v, ordering),
                     Update::Or(v) => cell.fetch_or(v, ordering),
+                    // What does not change a word need not be written, where nothing else hangs on the order.
+                    Update::Min(v) if order == Order::Relaxed => {
+                        let seen = cell.load(Ordering::Relaxed);
+                        if seen <= v { seen } else { cell.fetch_min(v, ordering) }
+                    }
+                    Update::Max(v) if order == Order::Relaxed => {
+                        let seen = cell.load(Ordering::Relaxed);
+                        if seen >= v { seen } else { cell.fetch_max(v, ordering) }
+                    }
                     Update::Min(v) => cell.fetch_min(v, ordering),
                     Update::Max(v) => cell.fetch_max(v, ordering),
                 })

@@ -88,7 +88,9 @@ fn add_digit(digit: u64, d: u32, counts: &mut [u32; 64]) {
     if digit == 0 {
         return;
     }
-    for (half, counts) in [digit as u32, (digit >> 32) as u32].into_iter().zip(counts.chunks_mut(32)) {
+    for (half, counts) in
+        [digit as u32, (digit >> 32) as u32].into_iter().zip(counts.chunks_mut(32))
+    {
         for (bit, count) in counts.iter_mut().enumerate() {
             *count += (half >> bit & 1) << d;
         }

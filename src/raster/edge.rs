@@ -78,9 +78,8 @@ fn partial_mask(edges: &[Edge; 3], corners: [i32; 3]) -> u64 {
         i32::MAX => [0; 3],
         corner => [corner, edges[i].a, edges[i].b],
     });
-    let first = steps.map(|[corner, a, _]| -> [i32; 8] {
-        std::array::from_fn(|x| corner + a * x as i32)
-    });
+    let first =
+        steps.map(|[corner, a, _]| -> [i32; 8] { std::array::from_fn(|x| corner + a * x as i32) });
     // The sign of what lies outside of one of them.
     let mut values = [0i32; 64];
     for (y, row) in (0..).zip(values.chunks_exact_mut(8)) {

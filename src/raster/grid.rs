@@ -111,11 +111,13 @@ impl Grid {
     #[inline]
     #[must_use]
     pub fn place(&self, pixel: u32) -> (u32, u32) {
-        let (per_tile, columns) = (self.tile * self.tile, self.columns());
-        let (tile, local) = (pixel / per_tile, pixel % per_tile);
-        let (block, bit, blocks) = (local / 64, local % 64, self.tile / BLOCK);
-        let x = tile % columns * self.tile + block % blocks * BLOCK + bit % BLOCK;
-        let y = tile / columns * self.tile + block / blocks * BLOCK + bit / BLOCK;
+        // Tiles are powers of two: shifts, where a hash table asks for every fragment.
+        let (edge, columns) = (self.tile.trailing_zeros(), self.columns());
+        let (tile, local) = (pixel >> (2 * edge), pixel & ((1 << (2 * edge)) - 1));
+        let (block, bit, blocks) = (local / 64, local % 64, edge - BLOCK.trailing_zeros());
+        let (column, row) = (block & ((1 << blocks) - 1), block >> blocks);
+        let x = ((tile % columns) << edge) + column * BLOCK + bit % BLOCK;
+        let y = ((tile / columns) << edge) + row * BLOCK + bit / BLOCK;
         (x, y)
     }
 

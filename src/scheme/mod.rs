@@ -42,7 +42,7 @@ pub use held::{Depth, Held, HeldKind, Holds, Keys, Light};
 pub use record::{Record, Records, Scale, Single, Whole};
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Snapshot, Words};
+use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Pixel, Snapshot, Words};
 use crate::num::planes::Distances;
 use crate::raster::Grid;
 
@@ -161,6 +161,13 @@ pub trait Scheme: Send + Sync + Sized + 'static {
     ) -> impl Future<Output = ()> {
         let _ = (mem, pass, fragment);
         std::future::ready(())
+    }
+
+    /// The words to the first of which, at its pixel, an earlier geometry pass adds 1 for every fragment, if that is all
+    /// it does. An executor that knows a pixel's number of fragments may then add them at once.
+    fn counts(&self, pass: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        let _ = pass;
+        None
     }
 
     /// A full-screen pass, number `pass` of the program, one invocation per pixel.

@@ -192,7 +192,8 @@ fn rows_of(
         let kits = [(); 2].map(|()| Kit::of_several());
         for run in 0..=args.repeats {
             let plain = once(scene, &plain, &kits[0])?;
-            let culled = culled.as_ref().map(|options| once(scene, options, &kits[1])).transpose()?;
+            let culled =
+                culled.as_ref().map(|options| once(scene, options, &kits[1])).transpose()?;
             if run > 0 {
                 without.push(plain);
                 with.extend(culled);
@@ -311,8 +312,8 @@ mod devices {
     //! Alternating with devices.
 
     use super::{
-        Args, Exec, Kit, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once, options,
-        row,
+        Args, Exec, Kit, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once,
+        options, row,
     };
     use crate::gpu::check::crosscheck::find;
     use crate::gpu::check::open::Opened;

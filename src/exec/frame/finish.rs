@@ -305,4 +305,3 @@ pub fn collected_tile(
     }
     finisher.finish(reports)
 }
-

@@ -129,4 +129,3 @@ fn each<T>(tiles: &[TileOutput], grid: &Grid, value: impl Fn(&Column, usize) -> 
     };
     pixels.map(of).collect()
 }
-

@@ -131,7 +131,9 @@ impl Host<'_> {
                     scheme.clear_frame(&mem);
                     scheme.clear(&mem, 0..pixels);
                 }
-                Step::Prepare(pass, i) => scheme.prepare(&mem, pass, &Batch::one(self.fragments[i])),
+                Step::Prepare(pass, i) => {
+                    scheme.prepare(&mem, pass, &Batch::one(self.fragments[i]))
+                }
                 Step::Screen(pass, pixel) => scheme.screen(&mem, pass, pixel..pixel + 1),
                 Step::Frame(pass) => scheme.frame(&mem, pass, 0..scheme.invocations(pass)),
                 Step::Store(i) => {

@@ -63,6 +63,10 @@ impl Scheme for DynamicFragmentBuffer {
         mem.add(self.counter.at(fragment.pixel, 0), 1, Order::Relaxed).await;
     }
 
+    fn counts(&self, _: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        Some(self.counter)
+    }
+
     async fn screen<M: Memory>(&self, mem: &M, _: usize, pixel: u32) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {

@@ -135,6 +135,10 @@ impl<V: Variant> Scheme for SBuffer<V> {
         }
     }
 
+    fn counts(&self, _: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        V::ATOMIC_COUNT.then_some(self.counter)
+    }
+
     async fn screen<M: Memory>(&self, mem: &M, _: usize, pixel: u32) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {

@@ -7,7 +7,7 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Inside, Layout, Memory, Snapshot};
+use crate::memory::{Atomic, Inside, Layout, Memory, Pixel, Snapshot, Words};
 use crate::scheme::a_buffer::ab_array::{AbArray, AtomicAdd};
 use crate::scheme::a_buffer::ab_ll::{self, AbLinkedList};
 use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
@@ -140,6 +140,10 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
 
     async fn prepare<M: Memory>(&self, mem: &M, pass: usize, fragment: Fragment) {
         self.all.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
+    }
+
+    fn counts(&self, pass: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        self.all.counts(pass)
     }
 
     async fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) {

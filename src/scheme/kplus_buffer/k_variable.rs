@@ -244,6 +244,10 @@ impl<V: Variant> Scheme for KVariable<V> {
         }
     }
 
+    fn counts(&self, _: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        V::COUNTS.then_some(self.counter)
+    }
+
     async fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) {
         match pass {
             IMPORTANCE => self.weigh(mem, pixel).await,

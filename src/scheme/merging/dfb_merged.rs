@@ -15,7 +15,7 @@ use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, merging};
 use crate::fragment::{Fragment, data_of, depth_of};
-use crate::memory::{Global, Inputs, Inside, Layout, Memory, Plain, Words};
+use crate::memory::{Atomic, Global, Inputs, Inside, Layout, Memory, Pixel, Plain, Words};
 use crate::num::planes::Distances;
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
@@ -90,6 +90,10 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 
     async fn prepare<Mem: Memory>(&self, mem: &Mem, pass: usize, fragment: Fragment) {
         self.store.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
+    }
+
+    fn counts(&self, pass: usize) -> Option<Words<Pixel, Atomic, u32>> {
+        self.store.counts(pass)
     }
 
     async fn screen<Mem: Memory>(&self, mem: &Mem, pass: usize, pixel: u32) {
