@@ -25,5 +25,5 @@ pub fn run(job: &Job<'_>, k: Option<u32>) -> Frame {
         finisher.finish(&reports)
     });
     let tiles = tiles.collect();
-    Frame::new(job, tiles, &Tally::default(), Counters::default())
+    Frame::new(tiles, &Tally::default(), Counters::default())
 }

@@ -124,7 +124,7 @@ fn frame<O: Observer + Default>(
     watch.lap("resolve");
     let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();
-    let frame = Frame::new(job, tiles, &stored.reports, counters);
+    let frame = Frame::new(tiles, &stored.reports, counters);
     let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared.global));
     job.kit.keep_shared(shared.pixel);
     job.kit.keep_shared(shared.global);

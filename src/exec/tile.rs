@@ -62,7 +62,7 @@ fn frame<O: Observer + Default + Send>(
         done.push(tile);
     }
     let table = scheme.readback().map(|readback| TableWords::new(&readback, &global));
-    let frame = Frame::new(job, done, &Tally::default(), counters);
+    let frame = Frame::new(done, &Tally::default(), counters);
     let outside = frame.outside + global.outside();
     job.kit.keep_shared(global);
     Frame { table, outside, ..frame }

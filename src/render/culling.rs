@@ -136,7 +136,8 @@ pub(super) fn draw(
         culling: Vec::new(),
         kit: &Kit::default(),
     };
-    let executed = execute(Some(&*instance), &job, k, &options)?;
+    let mut executed = execute(Some(&*instance), &job, k, &options)?;
+    executed.frame.settle(&job);
     let report = report(method, &executed, words, nearest, &options, front);
     Ok(Some(Culled { bounds: bounds(&executed), report }))
 }

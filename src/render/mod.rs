@@ -180,6 +180,9 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
     limits::voxels(options, &grid)?;
     let mut executed = execute(instance.as_deref(), &job, k, options)?;
     watch.lap("draw");
+    if executed.frame.settle(&job) {
+        watch.lap("judge");
+    }
     let (kept, composited) = executed.frame.assemble(&grid);
     let tiles = std::mem::take(&mut executed.frame.tiles);
     kit.keep(tiles);

@@ -121,19 +121,30 @@ pub struct PixelCounts {
 }
 
 impl Frame {
-    /// Join tiles; judge them if the method is racy, or if any pixel did not balance.
+    /// Join tiles. The accounting is what invocations reported, until it is settled.
     #[must_use]
     pub fn new(job: &Job<'_>, tiles: Vec<TileOutput>, reports: &Tally, counters: Counters) -> Self {
         let mut tally = *reports;
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
-        if job.holds != HeldKind::Fragments {
-            tally.correct_by_count();
-        } else if job.contract.is_racy() || job.contract.is_judged() || tally.unbalanced > 0 {
-            tally.correct(&judge(job, &tiles), job.contract.keeps == Keeps::Visible);
-        }
         let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
         let outside = tiles.iter().map(|tile| tile.outside).sum();
         Self { tiles, tally, counters, rounds, outside, table: None, seconds: BTreeMap::new() }
+    }
+
+    /// Correct the accounting by what pixels hold. If the method is racy, or any pixel did not balance, every list is
+    /// compared with the exact one, which is no part of the method's work. Returns whether that was so.
+    pub fn settle(&mut self, job: &Job<'_>) -> bool {
+        if job.holds != HeldKind::Fragments {
+            self.tally.correct_by_count();
+            return false;
+        }
+        let judged =
+            job.contract.is_racy() || job.contract.is_judged() || self.tally.unbalanced > 0;
+        if judged {
+            let judgement = judge(job, &self.tiles);
+            self.tally.correct(&judgement, job.contract.keeps == Keeps::Visible);
+        }
+        judged
     }
 }
 

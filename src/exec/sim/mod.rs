@@ -88,7 +88,7 @@ pub fn run(
     });
     let tiles = tiles.collect();
     watch.lap("resolve");
-    let frame = Frame::new(job, tiles, &reports, mem.observer().clone());
+    let frame = Frame::new(tiles, &reports, mem.observer().clone());
     let table = instance.readback().map(|readback| TableWords::new(&readback, &mem));
     Ok(Simulated {
         frame: Frame { rounds, table, outside: mem.outside(), seconds: watch.seconds(), ..frame },
