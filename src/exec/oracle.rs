@@ -24,6 +24,6 @@ pub fn run(job: &Job<'_>, k: Option<u32>) -> Frame {
         }
         finisher.finish(&reports)
     });
-    let tiles = tiles.collect();
+    let tiles: Vec<_> = tiles.collect();
     Frame::new(tiles, &Tally::default(), Counters::default())
 }

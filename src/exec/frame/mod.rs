@@ -123,7 +123,7 @@ pub struct PixelCounts {
 impl Frame {
     /// Join tiles. The accounting is what invocations reported, until it is settled.
     #[must_use]
-    pub fn new(job: &Job<'_>, tiles: Vec<TileOutput>, reports: &Tally, counters: Counters) -> Self {
+    pub fn new(tiles: Vec<TileOutput>, reports: &Tally, counters: Counters) -> Self {
         let mut tally = *reports;
         tiles.iter().for_each(|tile| tally.merge(&tile.tally));
         let rounds = tiles.iter().map(|tile| tile.rounds).max().unwrap_or(0).max(1);
