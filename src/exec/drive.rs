@@ -223,7 +223,8 @@ mod tests {
                 let count = (0..64).filter(|&bit| of(bit) == outcome).count();
                 assert_eq!(outcomes.count(outcome), count as u64, "{outcome:?}");
             }
-            let gone = (0..64).filter(|&bit| of(bit) != Outcome::Kept).map(|bit| 1 << bit).sum();
+            let gone: u64 =
+                (0..64).filter(|&bit| of(bit) != Outcome::Kept).map(|bit| 1 << bit).sum();
             assert_eq!(outcomes.gone(), gone);
         }
         outcomes.reset(5);

@@ -51,6 +51,7 @@ impl Kit {
     /// Keep the room of all tiles for the next frame.
     pub fn keep(&self, used: Vec<TileOutput>) {
         if self.keeps
+            && !used.is_empty()
             && let Ok(mut tiles) = self.tiles.lock()
         {
             *tiles = used.into_iter().map(TileOutput::emptied).collect();

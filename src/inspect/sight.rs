@@ -95,7 +95,7 @@ impl<'a> Sight<'a> {
                 found.fates = fates::of_color(&facts, self.generated.len(), light.kept);
                 found.absorbed = 1.0 - share(light.transmittance);
             }
-            Kept::Depths(_) => {}
+            Kept::Depths(_) | Kept::Gone => {}
         }
         Ok(found)
     }

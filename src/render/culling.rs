@@ -134,6 +134,7 @@ pub(super) fn draw(
         threads,
         opaque: 0,
         culling: Vec::new(),
+        picture_only: false,
         kit: &Kit::default(),
     };
     let mut executed = execute(Some(&*instance), &job, k, &options)?;

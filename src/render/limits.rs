@@ -1,6 +1,6 @@
 //! Memory limits, checked before memory is allocated.
 
-use super::options::{Exec, Options};
+use super::options::{Exec, Options, Wanted};
 use crate::effect::Effect;
 use crate::error::{Error, Result};
 use crate::exec::Job;
@@ -17,8 +17,14 @@ const HOST_BYTES: u64 = 32;
 /// A pixel's bytes in 16 bits of linear light.
 const LINEAR_BYTES: u64 = 8;
 
-/// A kept fragment's bytes, by tile and then row by row.
-const KEPT_BYTES: u64 = 16;
+/// A kept fragment's bytes: by tile, and then row by row if lists are wanted.
+fn kept_bytes(wanted: Wanted) -> u64 {
+    match wanted {
+        Wanted::Lists => 16,
+        Wanted::Hash => 8,
+        Wanted::Picture => 0,
+    }
+}
 
 /// Refuse storage that would not fit.
 pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Result<()> {
@@ -44,7 +50,8 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
 
 /// Refuse lists that would not fit: at most k fragments per pixel, and no more than are generated. Fragments are
 /// counted only if the primitives' bounding boxes do not already show that there is room.
-pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
+pub(super) fn kept(options: &Options, job: &Job<'_>, wanted: Wanted) -> Result<()> {
+    let each = kept_bytes(wanted);
     let grid = &job.front.grid;
     let pixels = u64::from(grid.width) * u64::from(grid.height);
     let by_k = match job.nearest {
@@ -52,12 +59,12 @@ pub(super) fn kept(options: &Options, job: &Job<'_>) -> Result<()> {
         Bound::All | Bound::PerPixel(_) => u64::MAX,
     };
     let boxes = job.front.primitives().iter().map(|p| p.bounds.pixels());
-    let fits = |fragments: u64| fragments.saturating_mul(KEPT_BYTES) <= options.max_memory;
+    let fits = |fragments: u64| fragments.saturating_mul(each) <= options.max_memory;
     if fits(by_k.min(boxes.sum())) {
         return Ok(());
     }
     let generated: u64 = job.front.count_fragments().iter().sum();
-    let bytes = by_k.min(generated).saturating_mul(KEPT_BYTES);
+    let bytes = by_k.min(generated).saturating_mul(each);
     refuse_above(options, bytes, "kept fragments")
 }
 
@@ -67,7 +74,7 @@ pub(super) fn layers(options: &Options, kept: &Kept) -> Result<()> {
     let entries = match kept {
         Kept::Fragments(lists) => lists.entries.len(),
         Kept::Records(lists) => lists.entries.len(),
-        Kept::Color(_) | Kept::Depths(_) => 0,
+        Kept::Color(_) | Kept::Depths(_) | Kept::Gone => 0,
     };
     let each = 2 * size_of::<Record>() + size_of::<Slab>() + size_of::<[f64; 2]>();
     refuse_above(options, (entries * each) as u64, "layers in screen space")

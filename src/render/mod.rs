@@ -50,7 +50,7 @@ pub use importance::{
     Factors, Importance, ImportanceMap, ImportanceReport, Reach, Shares, fresnel,
 };
 pub use inputs::Given;
-pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort};
+pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort, Wanted};
 pub use reference::{Reference, promised, reference};
 pub use report::{Report, ShadowReport};
 pub use table::{TableOptions, TableReport};
@@ -159,6 +159,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
     if culling.is_some() {
         watch.lap("culling");
     }
+    let wanted = if options.needs_lists(scene) { Wanted::Lists } else { options.wanted };
     let job = Job {
         front: &front,
         record: options.record(),
@@ -174,18 +175,24 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         threads,
         opaque: options.table.opaque(),
         culling: bounds.unwrap_or_default(),
+        picture_only: wanted == Wanted::Picture && method.holds() == HeldKind::Fragments,
         kit,
     };
-    limits::kept(options, &job)?;
+    limits::kept(options, &job, wanted)?;
     limits::voxels(options, &grid)?;
     let mut executed = execute(instance.as_deref(), &job, k, options)?;
     watch.lap("draw");
     if executed.frame.settle(&job) {
         watch.lap("judge");
     }
-    let (kept, composited) = executed.frame.assemble(&grid);
-    let tiles = std::mem::take(&mut executed.frame.tiles);
-    kit.keep(tiles);
+    let (kept, composited) = match wanted {
+        _ if job.holds != HeldKind::Fragments => executed.frame.assemble(&grid),
+        Wanted::Lists => executed.frame.assemble(&grid),
+        Wanted::Hash | Wanted::Picture => (Kept::Gone, executed.frame.picture(&grid)),
+    };
+    if wanted == Wanted::Lists {
+        kit.keep(std::mem::take(&mut executed.frame.tiles));
+    }
     watch.lap("assemble");
     let mut report = account(scene, options, &front, &executed);
     let (format, data) = (job.record.depth, job.record.data);
@@ -224,7 +231,11 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         report.warnings.push(nothing_in_view(scene));
     }
     report.image_hash = image.hash();
-    report.fragments_hash = kept_hash(&kept);
+    report.fragments_hash = match wanted {
+        Wanted::Hash if kept == Kept::Gone => executed.frame.fragments_hash(&grid),
+        _ => kept_hash(&kept),
+    };
+    kit.keep(std::mem::take(&mut executed.frame.tiles));
     watch.lap("hash");
     report.seconds = watch.seconds();
     let passes = std::mem::take(&mut executed.frame.seconds).into_iter();

@@ -8,7 +8,7 @@ use crate::exec::Method;
 use crate::fragment::Data;
 use crate::num::depth;
 use crate::raster::{CullFace, Record};
-use crate::scene::{MAX_SIZE, Thickness};
+use crate::scene::{MAX_SIZE, Scene, Thickness};
 use crate::scheme::HeldKind;
 use crate::scheme::approximate::Approximation;
 use crate::scheme::approximate::stochastic::MOST_SAMPLES;
@@ -22,6 +22,19 @@ use super::table::TableOptions;
 
 pub use crate::exec::sim::policy::Policy;
 pub use crate::resolve::sort::Sort;
+
+/// What is wanted of the fragments that pixels keep. Less takes less memory and time; merged records, colours and depths
+/// are always at hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wanted {
+    /// Their lists, and the hash of them.
+    #[default]
+    Lists,
+    /// The hash alone: 8 bytes a fragment, by tile.
+    Hash,
+    /// Nothing: lists are needed for the tiles in work alone. What a racy method lost is then known only as a number.
+    Picture,
+}
 
 /// What to draw with, and how. The defaults are the command line's.
 #[derive(Clone, Debug)]
@@ -82,6 +95,8 @@ pub struct Options {
     pub table: TableOptions,
     /// How a pixel's fragments are sorted.
     pub sort: Sort,
+    /// What is wanted of the fragments. Whatever an effect needs is at hand in any case.
+    pub wanted: Wanted,
     /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
     /// every pixel, and the kept fragments (16 bytes each).
     pub max_memory: u64,
@@ -115,6 +130,7 @@ impl Default for Options {
             approximation: Approximation::default(),
             table: TableOptions::default(),
             sort: Sort::default(),
+            wanted: Wanted::default(),
             max_memory: 8 << 30,
         }
     }
@@ -319,6 +335,11 @@ impl Options {
             return Err(Error::new("--samples", problem));
         }
         Ok(())
+    }
+
+    /// Whether something is made of the lists.
+    pub(super) fn needs_lists(&self, scene: &Scene) -> bool {
+        self.effect != Effect::Transparency || !scene.volumes.is_empty() || self.needs_light()
     }
 
     /// Whether the light of pixels must be computed before it is encoded.

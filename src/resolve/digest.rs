@@ -17,7 +17,7 @@ pub fn kept_hash(kept: &Kept) -> Option<String> {
         Kept::Fragments(lists) => Some(fragments_hash(lists)),
         Kept::Records(lists) => Some(records_hash(lists)),
         Kept::Depths(depths) => Some(depths_hash(depths)),
-        Kept::Color(_) => None,
+        Kept::Color(_) | Kept::Gone => None,
     }
 }
 
@@ -25,10 +25,62 @@ pub fn kept_hash(kept: &Kept) -> Option<String> {
 /// depths (u32), all data words (u32). A key is `depth << 32 | data`.
 #[must_use]
 pub fn fragments_hash(lists: &Lists) -> String {
-    let (mut hasher, keys) = (head(lists), &lists.entries);
-    update(&mut hasher, keys, |key| ((key >> 32) as u32).to_le_bytes());
-    update(&mut hasher, keys, |key| (key as u32).to_le_bytes());
-    hex(&hasher.finalize())
+    let mut stream = Stream::new(lists.width, lists.height);
+    stream.offsets(&lists.offsets);
+    stream.depths(&lists.entries);
+    stream.data(&lists.entries);
+    stream.finish()
+}
+
+/// [`fragments_hash`], part by part: all offsets, then the depths of all fragments, then the data words of all.
+#[derive(Debug)]
+pub struct Stream {
+    hasher: Sha256,
+    chunk: Vec<u8>,
+}
+
+impl Stream {
+    /// Of a picture of this size.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        let mut hasher = Sha256::new();
+        hasher.update(width.to_le_bytes());
+        hasher.update(height.to_le_bytes());
+        Self { hasher, chunk: Vec::with_capacity(CHUNK) }
+    }
+
+    /// The next offsets.
+    pub fn offsets(&mut self, offsets: &[u64]) {
+        self.words(offsets, u64::to_le_bytes);
+    }
+
+    /// The depths of the next fragments.
+    pub fn depths(&mut self, keys: &[u64]) {
+        self.words(keys, |key| ((key >> 32) as u32).to_le_bytes());
+    }
+
+    /// The data words of the next fragments.
+    pub fn data(&mut self, keys: &[u64]) {
+        self.words(keys, |key| (key as u32).to_le_bytes());
+    }
+
+    /// Hexadecimal.
+    #[must_use]
+    pub fn finish(mut self) -> String {
+        self.hasher.update(&self.chunk);
+        hex(&self.hasher.finalize())
+    }
+
+    #[inline]
+    fn words<const N: usize>(&mut self, words: &[u64], bytes: impl Fn(u64) -> [u8; N]) {
+        for some in words.chunks(CHUNK / N) {
+            if self.chunk.len() + N * some.len() > CHUNK {
+                self.hasher.update(&self.chunk);
+                self.chunk.clear();
+            }
+            self.chunk.extend(some.iter().flat_map(|&word| bytes(word)));
+        }
+    }
 }
 
 /// The same of merged records: width and height, offsets, depths, colours as data words (RGBA8), thicknesses (f64),
@@ -106,6 +158,19 @@ mod tests {
             8, 7, 6, 5,  0x18, 0x17, 0x16, 0x15,
         ];
         assert_eq!(hash(2, 1, &[0, 2, 2], &keys), sha256(&bytes));
+    }
+
+    #[test]
+    fn parts_do_not_show() {
+        let keys: Vec<u64> = (0..50_000).map(|i| (i << 33) | (i * i)).collect();
+        for size in [1, 7, 4_096, 50_000] {
+            let mut stream = Stream::new(1, 1);
+            stream.offsets(&[0]);
+            stream.offsets(&[50_000]);
+            keys.chunks(size).for_each(|part| stream.depths(part));
+            keys.chunks(size).for_each(|part| stream.data(part));
+            assert_eq!(stream.finish(), hash(1, 1, &[0, 50_000], &keys), "{size}");
+        }
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub enum Kept {
     Color(Vec<Light>),
     /// A depth for every pixel, row by row, and no lists.
     Depths(Vec<Depth>),
+    /// Fragments were kept, but are not at hand: nobody wanted more than their hash or the picture.
+    Gone,
 }
 
 impl Kept {
@@ -61,7 +63,7 @@ impl Kept {
     #[must_use]
     pub fn kind(&self) -> HeldKind {
         match self {
-            Self::Fragments(_) => HeldKind::Fragments,
+            Self::Fragments(_) | Self::Gone => HeldKind::Fragments,
             Self::Records(_) => HeldKind::Records,
             Self::Color(_) => HeldKind::Color,
             Self::Depths(_) => HeldKind::Depth,
@@ -74,7 +76,7 @@ impl Kept {
         let is_nan = |light: &&Light| light.color.iter().any(|c| c.is_nan());
         match self {
             Self::Color(pixels) => Some(pixels.iter().filter(is_nan).count() as u64),
-            Self::Fragments(_) | Self::Records(_) | Self::Depths(_) => None,
+            Self::Fragments(_) | Self::Records(_) | Self::Depths(_) | Self::Gone => None,
         }
     }
 
@@ -83,7 +85,7 @@ impl Kept {
     pub fn fragments(&self) -> Option<&Lists> {
         match self {
             Self::Fragments(lists) => Some(lists),
-            Self::Records(_) | Self::Color(_) | Self::Depths(_) => None,
+            Self::Records(_) | Self::Color(_) | Self::Depths(_) | Self::Gone => None,
         }
     }
 }

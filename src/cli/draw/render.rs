@@ -13,7 +13,7 @@ use crate::cli::options::measures::{Measures, Printed};
 use crate::cli::options::settings::{Settings, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::render::{Importance, Options, Rendering, render};
+use crate::render::{Importance, Options, Rendering, Wanted, render};
 use crate::report::errors::{self, Errors};
 use crate::report::grid::Syntax;
 use crate::report::{files, json, npz, table};
@@ -47,6 +47,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "FILE.npz")]
     fragments: Option<PathBuf>,
 
+    /// Do not hash the fragments: of methods that keep them, memory then holds the lists of the tiles in work alone
+    /// [default: hashed]
+    #[arg(long)]
+    no_hash: bool,
+
     /// Write the JSON document of `--json` to a file as well [default: not written]
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -78,6 +83,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     args.effects.complete(args.drawing.data, &mut settings.options)?;
     settings.warnings.extend(idle(&settings.options));
     args.picture.complete(&mut settings.options)?;
+    settings.options.wanted = wanted(args);
     check_outputs(args)?;
     let printed = printed(args)?;
     args.reference.as_ref().map_or(Ok(()), |_| args.picture.check_comparable())?;
@@ -114,6 +120,16 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
     })?;
     report.violations.iter().for_each(|violation| say::violation(violation));
     Ok(if report.violations.is_empty() { Verdict::Clean } else { Verdict::Found })
+}
+
+/// Lists are joined only for what is written of them, or compared.
+fn wanted(args: &Args) -> Wanted {
+    let compared = args.reference.is_some() || args.effects.ldi.is_some();
+    match args.fragments.is_some() || compared {
+        true => Wanted::Lists,
+        false if args.no_hash => Wanted::Picture,
+        false => Wanted::Hash,
+    }
 }
 
 fn printed(args: &Args) -> Result<Printed> {

@@ -5,7 +5,7 @@ use super::{importance, values};
 use crate::error::{Error, Result};
 use crate::exec::Method;
 use crate::num::depth::Format;
-use crate::render::{self, Options, Policy, Sim, TableOptions};
+use crate::render::{self, Options, Policy, Sim, TableOptions, Wanted};
 use crate::scene::{self, Overrides, PointSize, Thickness};
 
 /// Invocations in flight unless `--resident` is given.
@@ -62,6 +62,8 @@ pub(in crate::cli) fn complete(typed: &Drawing, method: Method, record: bool) ->
         approximation: typed.approximation.complete(),
         table: table(typed)?,
         sort: typed.sort.into(),
+        // `fragloom render` says otherwise where less is wanted.
+        wanted: Wanted::Lists,
         max_memory: values::bytes("--max-memory", &typed.max_memory)?,
     };
     Ok(Settings { overrides: overrides(typed)?, options, warnings: idle(typed) })

@@ -247,6 +247,9 @@ impl<'a> Finisher<'a> {
     #[must_use]
     pub fn finish(mut self, reports: &Tally) -> TileOutput {
         self.output.tally.merge(reports);
+        if self.job.picture_only {
+            self.output.column = Column::default();
+        }
         self.output
     }
 }

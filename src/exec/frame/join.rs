@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{Column, Frame, TileOutput};
 use crate::image::Image;
 use crate::raster::Grid;
+use crate::resolve::digest::Stream;
 use crate::resolve::{Kept, Lists};
 use crate::scheme::{Depth, Light};
 
@@ -47,6 +48,64 @@ impl Frame {
         };
         (kept, Image { width: grid.width, height: grid.height, pixels })
     }
+}
+
+impl Frame {
+    /// The picture alone.
+    #[must_use]
+    pub fn picture(&self, grid: &Grid) -> Image {
+        let mut pixels = vec![[0u8; 4]; grid.width as usize * grid.height as usize];
+        let rows = pixels.par_chunks_mut((grid.tile * grid.width) as usize);
+        rows.zip(self.tiles.par_chunks(grid.columns() as usize)).for_each(|(pixels, tiles)| {
+            for (i, color) in pixels.iter_mut().enumerate() {
+                let (tile, local) = place(grid, i);
+                *color = tiles[tile].colors[local];
+            }
+        });
+        Image { width: grid.width, height: grid.height, pixels }
+    }
+
+    /// The hash of the fragments ([`crate::resolve::digest::fragments_hash`]), if that is what pixels hold. Lists are
+    /// not joined for it.
+    #[must_use]
+    pub fn fragments_hash(&self, grid: &Grid) -> Option<String> {
+        if self.tiles.iter().any(|tile| !matches!(tile.column, Column::Keys(_))) {
+            return None;
+        }
+        let starts: Vec<Vec<u32>> = self.tiles.iter().map(starts).collect();
+        let columns = grid.columns() as usize;
+        let each = |visit: &mut dyn FnMut(&[u64])| {
+            for (tiles, (starts, y0)) in self
+                .tiles
+                .chunks(columns)
+                .zip(starts.chunks(columns).zip((0..).step_by(grid.tile as usize)))
+            {
+                let rows = grid.tile.min(grid.height - y0);
+                for i in 0..(rows * grid.width) as usize {
+                    let (tile, local) = place(grid, i);
+                    let (start, count) = (starts[tile][local], tiles[tile].counts[local]);
+                    visit(&tiles[tile].column.keys()[start as usize..(start + count) as usize]);
+                }
+            }
+        };
+        let mut stream = Stream::new(grid.width, grid.height);
+        let mut end = 0;
+        stream.offsets(&[0]);
+        each(&mut |keys| {
+            end += keys.len() as u64;
+            stream.offsets(&[end]);
+        });
+        each(&mut |keys| stream.depths(keys));
+        each(&mut |keys| stream.data(keys));
+        Some(stream.finish())
+    }
+}
+
+/// The tile of a row of tiles, and the place in its storage, of pixel `i` of the row, counted line by line.
+#[inline]
+fn place(grid: &Grid, i: usize) -> (usize, usize) {
+    let (x, y) = (i as u32 % grid.width, i as u32 / grid.width);
+    ((x / grid.tile) as usize, grid.local_pixel(x, y) as usize)
 }
 
 /// Lists and colours, row by row; `copy` reads a column's entries from a place on.
@@ -92,8 +151,7 @@ impl<T> Band<'_, T> {
         let starts: Vec<Vec<u32>> = self.row.iter().map(starts).collect();
         let mut end = 0usize;
         for (i, (offset, color)) in self.offsets.iter_mut().zip(self.colors).enumerate() {
-            let (x, y) = (i as u32 % grid.width, i as u32 / grid.width);
-            let (tile, local) = ((x / grid.tile) as usize, grid.local_pixel(x, y) as usize);
+            let (tile, local) = place(grid, i);
             let output = &self.row[tile];
             let start = starts[tile][local] as usize;
             let count = output.counts[local] as usize;

@@ -134,7 +134,7 @@ impl Frame {
     /// Correct the accounting by what pixels hold. If the method is racy, or any pixel did not balance, every list is
     /// compared with the exact one, which is no part of the method's work. Returns whether that was so.
     pub fn settle(&mut self, job: &Job<'_>) -> bool {
-        if job.holds != HeldKind::Fragments {
+        if job.holds != HeldKind::Fragments || job.picture_only {
             self.tally.correct_by_count();
             return false;
         }
