@@ -16,6 +16,8 @@ use fragloom::memory::exclusive::Exclusive;
 use fragloom::memory::native::Native;
 use fragloom::memory::{Inputs, Layout};
 use fragloom::num::random::Random;
+use fragloom::raster::Batch;
+use fragloom::raster::batch::bits;
 use fragloom::scheme::kplus_buffer::kplus_array::KPlusArray;
 use fragloom::scheme::{Config, Outcome, Scheme};
 use support::paired;
@@ -38,8 +40,9 @@ fn shape() -> Shape {
 
 fn main() -> ExitCode {
     let fragments = fragments();
-    let native = report("native", 1.1, native(&fragments), fragments.len());
-    let exclusive = report("exclusive", 1.2, exclusive(&fragments), fragments.len());
+    let batches: Vec<Batch> = fragments.chunks(64).map(Batch::of_block).collect();
+    let native = report("native", 1.1, native(&batches), fragments.len());
+    let exclusive = report("exclusive", 1.2, exclusive(&batches), fragments.len());
     if native && exclusive { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
@@ -73,7 +76,7 @@ fn scheme() -> (KPlusArray, Layout) {
     (KPlusArray::new(&config, &mut layout), layout)
 }
 
-fn native(fragments: &[Fragment]) -> [f64; 3] {
+fn native(batches: &[Batch]) -> [f64; 3] {
     let (scheme, layout) = scheme();
     let pixel = Shared::new(layout.per_pixel(), PIXELS as usize);
     let global = Shared::new(layout.per_frame(), 1);
@@ -82,20 +85,20 @@ fn native(fragments: &[Fragment]) -> [f64; 3] {
     let shape = shape();
     let words: Vec<AtomicU32> =
         (0..PIXELS as usize * shape.stride).map(|_| AtomicU32::new(0)).collect();
-    let mut outcomes: Outcomes = [Outcome::Kept; 64];
-    let mut plain_outcomes: Outcomes = [Outcome::Kept; 64];
+    let mut outcomes = Outcomes::default();
+    let mut plain_outcomes = Outcomes::default();
     paired(
         PAIRS,
         || {
             Pipeline::clear(&scheme, &mem, 0..PIXELS);
-            for batch in fragments.chunks(64) {
+            for batch in batches {
                 Pipeline::store(&scheme, &mem, batch, &mut outcomes);
             }
             black_box(&outcomes);
         },
         || {
             clear_native(shape, &words);
-            for batch in fragments.chunks(64) {
+            for batch in batches {
                 store_native(shape, &words, batch, &mut plain_outcomes);
             }
             black_box(&plain_outcomes);
@@ -103,7 +106,7 @@ fn native(fragments: &[Fragment]) -> [f64; 3] {
     )
 }
 
-fn exclusive(fragments: &[Fragment]) -> [f64; 3] {
+fn exclusive(batches: &[Batch]) -> [f64; 3] {
     let (scheme, layout) = scheme();
     let pixel = Owned::new(layout.per_pixel(), PIXELS as usize);
     let global = Shared::new(layout.per_frame(), 1);
@@ -111,20 +114,20 @@ fn exclusive(fragments: &[Fragment]) -> [f64; 3] {
     let mem = Exclusive::new(&pixel, &global, &inputs, &());
     let shape = shape();
     let words = vec![Cell::new(0u32); PIXELS as usize * shape.stride];
-    let mut outcomes: Outcomes = [Outcome::Kept; 64];
-    let mut plain_outcomes: Outcomes = [Outcome::Kept; 64];
+    let mut outcomes = Outcomes::default();
+    let mut plain_outcomes = Outcomes::default();
     paired(
         PAIRS,
         || {
             Pipeline::clear(&scheme, &mem, 0..PIXELS);
-            for batch in fragments.chunks(64) {
+            for batch in batches {
                 Pipeline::store(&scheme, &mem, batch, &mut outcomes);
             }
             black_box(&outcomes);
         },
         || {
             clear_exclusive(shape, &words);
-            for batch in fragments.chunks(64) {
+            for batch in batches {
                 store_exclusive(shape, &words, batch, &mut plain_outcomes);
             }
             black_box(&plain_outcomes);
@@ -152,9 +155,11 @@ fn clear_exclusive(shape: Shape, words: &[Cell<u32>]) {
 macro_rules! plain {
     ($name:ident, $word:ty, $get:expr, $set:expr, $acquire:expr, $raise:expr, $release:expr) => {
         #[inline(never)]
-        fn $name(shape: Shape, words: &[$word], batch: &[Fragment], outcomes: &mut Outcomes) {
-            for (fragment, outcome) in batch.iter().zip(outcomes) {
-                *outcome = {
+        fn $name(shape: Shape, words: &[$word], batch: &Batch, outcomes: &mut Outcomes) {
+            outcomes.reset(batch.mask());
+            for bit in bits(batch.mask()) {
+                let fragment = batch.get(bit);
+                let outcome = {
                     let (k, base) = (shape.k, fragment.pixel as usize * shape.stride);
                     let (lock, counter) = (base, base + 1);
                     let depth = |i: usize| base + 2 + i;
@@ -208,6 +213,7 @@ macro_rules! plain {
                         outcome
                     }
                 };
+                outcomes.set(bit, outcome);
             }
         }
     };

@@ -31,7 +31,7 @@ use fragloom::scheme::kplus_buffer::kplus_array::faults::{self, Faulty, Variant}
 use fragloom::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use fragloom::scheme::parts::lock::{FREE, SpinLock};
 use fragloom::scheme::program::PassKind;
-use fragloom::scheme::{Config, Keys, Outcome, Scheme, exact};
+use fragloom::scheme::{Config, Keys, Scheme, exact};
 use loom::sync::Arc;
 use loom_memory::{Loom, Storage};
 use user_scheme::CasList;
@@ -117,8 +117,10 @@ fn insertion<S: Scheme<Holds = Keys>>(
 }
 
 fn store<S: Scheme>(scheme: &S, storage: &Storage, group: &[Fragment], patience: u32) {
-    let mut outcomes = [Outcome::Kept; 64];
-    Pipeline::store(scheme, &Loom::new(storage, patience), group, &mut outcomes);
+    let mem = Loom::new(storage, patience);
+    for &fragment in group {
+        complete(Scheme::store(scheme, &mem, fragment));
+    }
 }
 
 fn k(k: u32) -> Config {

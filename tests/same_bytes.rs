@@ -5,10 +5,12 @@
 mod support;
 
 use fragloom::catalogue::Catalogue;
-use fragloom::exec::Method;
+use fragloom::exec::{Kit, Method};
 use fragloom::fragment::Data;
 use fragloom::num::depth::Format;
-use fragloom::render::{Exec, Options};
+use fragloom::render::Report;
+use fragloom::render::{Effect, Exec, Options, Wanted, render_with};
+use fragloom::resolve::Kept;
 use fragloom::scheme::contract::Form;
 use support::{draw, options, policies, scene, sim, small_scenes};
 
@@ -154,4 +156,94 @@ fn a_method_that_depends_on_schedules_is_seen() {
         .map(|options| draw(&scene, &options).report.fragments_hash)
         .collect();
     assert!(hashes.len() > 1);
+}
+
+/// What is not wanted changes nothing of the rest: picture, accounting, and the hash where it is wanted.
+#[test]
+fn less_may_be_wanted() {
+    let catalogue = Catalogue::built_in();
+    let contracts: Vec<_> = catalogue.contracts().filter(|c| c.form == Form::Correct).collect();
+    let mut gone = 0;
+    for contract in contracts {
+        // A picture whose edges cut tiles.
+        let scene = scene("bottles:columns=2,rows=2,levels=1,sides=12", [75, 41]);
+        let base = Options { tile: 16, ..options(contract.name, contract.default_k.map(|_| 3)) };
+        let [lists, hash, picture] = [Wanted::Lists, Wanted::Hash, Wanted::Picture]
+            .map(|wanted| draw(&scene, &Options { wanted, ..base.clone() }));
+        let name = contract.name;
+        assert_eq!(lists.report.fragments_hash, hash.report.fragments_hash, "{name}");
+        if lists.kept.fragments().is_some() {
+            assert_eq!((&hash.kept, &picture.kept), (&Kept::Gone, &Kept::Gone), "{name}");
+            assert_eq!(picture.report.fragments_hash, None, "{name}");
+            assert!(hash.lists().is_err());
+            gone += 1;
+        }
+        for less in [hash, picture] {
+            assert_eq!(less.image, lists.image, "{name}");
+            let kept = |r: &Report| (r.generated, r.kept, r.culled, r.evicted, r.merged);
+            assert_eq!(kept(&less.report), kept(&lists.report), "{name}");
+        }
+    }
+    assert!(gone >= 20, "{gone} methods keep fragments");
+}
+
+/// An effect gets the lists that it needs, whatever is wanted.
+#[test]
+fn effects_have_their_lists() {
+    let scene = scene("cubes", [40, 40]);
+    let base = Options {
+        effect: Effect::Media { density: 1.0 },
+        data: Data::Primitive,
+        ..options("ab-ll", None)
+    };
+    let all = draw(&scene, &base);
+    let less = draw(&scene, &Options { wanted: Wanted::Picture, ..base });
+    assert_eq!((less.image, less.report.fragments_hash), (all.image, all.report.fragments_hash));
+}
+
+/// Frames that use again what others have left are those of fresh storage: other scenes, sizes and methods between
+/// them do not show.
+#[test]
+fn storage_is_used_again_without_a_trace() {
+    let kit = Kit::of_several();
+    let scenes =
+        [scene("cubes", [40, 40]), scene("layers:count=5", [75, 41]), scene("gears", [40, 40])];
+    for method in ["ab-ll", "kplus-array", "s-buffer", "ha64", "dfb+ofm", "z-buffer", "wboit"] {
+        for exec in [Exec::Tile, Exec::Threads] {
+            for scene in scenes.iter().chain(scenes.iter().rev()) {
+                let options = Options { exec: exec.clone(), ..options(method, None) };
+                let again = render_with(scene, &options, &kit).expect("a frame");
+                let fresh = draw(scene, &options);
+                let what = format!("{method} {exec:?} {}", scene.name);
+                assert_eq!(again.image, fresh.image, "{what}");
+                assert_eq!(again.report.fragments_hash, fresh.report.fragments_hash, "{what}");
+                assert_eq!(again.report.kept, fresh.report.kept, "{what}");
+            }
+        }
+    }
+}
+
+/// The code that is compiled for the vectors of this machine gives the bits of that for every machine.
+#[test]
+fn vectors_do_not_show() {
+    let hashes = |narrow: bool| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fragloom"));
+        command.args([
+            "compare",
+            "hairball:strands=60",
+            "-m",
+            "kplus-array,ab-ll,dfb,s-buffer,skb+ofm,mlab",
+        ]);
+        command.args(["--size", "150x110", "--json", "-q"]);
+        if narrow {
+            command.env(fragloom::num::lanes::VARIABLE, "narrow");
+        }
+        let output = command.output().expect("it starts");
+        let text = String::from_utf8(output.stdout).expect("JSON");
+        let lines = text.lines().filter(|line| line.contains("_hash"));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let wide = hashes(false);
+    assert!(wide.len() >= 12, "{wide:?}");
+    assert_eq!(wide, hashes(true));
 }

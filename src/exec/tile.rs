@@ -271,14 +271,13 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         counts.reset(grid.pixels_per_tile() / 64);
         *reports = Tally::default();
         // What is counted one by one must be done one by one.
-        if !stores && !culls && tile.observer.counters().is_none() {
-            if self.scheme.count(&mem, number, first, &[]) {
-                job.front.packets(tile.index, |packet| {
-                    counts.generated.add(grid.local_block(packet) as usize, packet.mask);
-                });
-                self.scheme.count(&mem, number, first, &counts.generated.counts());
-                return;
-            }
+        let one_by_one = stores || culls || tile.observer.counters().is_some();
+        if !one_by_one && self.scheme.count(&mem, number, first, &[]) {
+            job.front.packets(tile.index, |packet| {
+                counts.generated.add(grid.local_block(packet) as usize, packet.mask);
+            });
+            self.scheme.count(&mem, number, first, &counts.generated.counts());
+            return;
         }
         let mut outcomes = Outcomes::default();
         job.front.packets(tile.index, |packet| {

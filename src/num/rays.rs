@@ -1,5 +1,10 @@
 //! Eight rays at once, by the arithmetic of [`super::ray`].
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "loops over lanes, all of the same length, become vectors"
+)]
+
 use super::color::srgb;
 use super::ray::Ray;
 

@@ -77,6 +77,21 @@ impl Batch {
         batch
     }
 
+    /// Fragments of one block: of pixels from a multiple of 64 on, none of which has two. Of several, the last counts.
+    #[must_use]
+    pub fn of_block(fragments: &[Fragment]) -> Self {
+        let mut batch = Self::default();
+        for fragment in fragments {
+            let bit = fragment.pixel % 64;
+            batch.first = fragment.pixel - bit;
+            batch.mask |= 1 << bit;
+            batch.depths[bit as usize] = fragment.depth;
+            batch.data.lanes()[bit as usize] = fragment.data;
+            batch.extras.lanes()[bit as usize] = fragment.extra;
+        }
+        batch
+    }
+
     /// Which pixels of the block have one: bit `8 * y + x`.
     #[inline]
     #[must_use]
@@ -152,7 +167,8 @@ mod tests {
         batch.data.lanes()[2] = 9;
         batch.data.fill(7);
         assert!(batch.iter().all(|f| f.extra == 0 && f.data == 7), "filled again");
-        let fragment = Fragment { pixel: 5, depth: 6, data: 7, extra: 8 };
-        assert!(Batch::one(fragment).iter().eq([fragment]));
+        let one = |pixel| Fragment { pixel, depth: 6 * pixel, data: 7, extra: 8 };
+        assert!(Batch::one(one(5)).iter().eq([one(5)]));
+        assert!(Batch::of_block(&[one(67), one(64)]).iter().eq([one(64), one(67)]));
     }
 }

@@ -75,14 +75,21 @@ impl Viewport {
         ]
     }
 
+    /// Where a vertex lies on the screen, if it is inside of all clip planes.
+    #[must_use]
+    pub fn place(&self, v: DVec4) -> Option<Snapped> {
+        self.distances(v).iter().all(|&d| d >= 0.0).then(|| self.project(v))
+    }
+
     /// Clip a triangle, or another convex polygon, and snap what is left: no vertices (nothing visible), as many as
     /// there were, or up to six more.
     #[must_use]
     pub fn clip<const N: usize>(&self, corners: [DVec4; N]) -> Polygon {
-        let distances = corners.map(|v| self.distances(v));
-        if (0..6).all(|plane| distances.iter().all(|d| d[plane] >= 0.0)) {
-            return Polygon::new(&corners.map(|v| self.project(v)));
+        let placed = corners.map(|v| self.place(v));
+        if let Some(polygon) = Polygon::of_placed(placed) {
+            return polygon;
         }
+        let distances = corners.map(|v| self.distances(v));
         if (0..6).any(|plane| distances.iter().all(|d| d[plane] < 0.0)) {
             return Polygon::default();
         }
@@ -135,6 +142,13 @@ impl Polygon {
             polygon.vertices[..polygon.len].copy_from_slice(&vertices[..polygon.len]);
         }
         polygon
+    }
+
+    /// From vertices as [`Viewport::place`] gives them, if all are inside.
+    #[must_use]
+    pub fn of_placed<const N: usize>(placed: [Option<Snapped>; N]) -> Option<Self> {
+        let inside = placed.iter().all(Option::is_some);
+        inside.then(|| Self::new(&placed.map(Option::unwrap_or_default)))
     }
 
     /// The vertices in order.

@@ -4,7 +4,7 @@
 use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;
 
-use super::clip::Viewport;
+use super::clip::{Polygon, Snapped, Viewport};
 use super::disc::Lying;
 use super::primitive::Rect;
 use super::shade::{Corners, Lighting, Seen, Surface};
@@ -19,6 +19,8 @@ pub(super) struct Placed<'a> {
     view_projection: DMat4,
     world: Vec<DVec3>,
     clip: Vec<DVec4>,
+    /// Where vertices lie on the screen: found once for all triangles that share one.
+    screen: Vec<Option<Snapped>>,
     normals: Vec<[f32; 3]>,
     mirrored: bool,
 }
@@ -26,14 +28,20 @@ pub(super) struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// Transform an object's vertices, in parallel.
     #[must_use]
-    pub(super) fn new(object: &'a Object, scene: &'a Scene, view_projection: DMat4) -> Self {
+    pub(super) fn new(
+        object: &'a Object,
+        scene: &'a Scene,
+        view_projection: DMat4,
+        viewport: &Viewport,
+    ) -> Self {
         let to_world = |&p: &[f64; 3]| {
             let w = transform(&object.transform, DVec3::from(p));
             DVec3::new(w.x, w.y, w.z)
         };
         let mesh = &*object.mesh;
         let world: Vec<DVec3> = mesh.positions.par_iter().map(to_world).collect();
-        let clip = world.par_iter().map(|&p| transform(&view_projection, p)).collect();
+        let clip: Vec<DVec4> = world.par_iter().map(|&p| transform(&view_projection, p)).collect();
+        let screen = clip.par_iter().map(|&v| viewport.place(v)).collect();
         let cofactors = cofactors(&object.transform);
         let normals = mesh.normals.par_iter().map(|&n| turn(&cofactors, n)).collect();
         Self {
@@ -44,6 +52,7 @@ impl<'a> Placed<'a> {
             view_projection,
             world,
             clip,
+            screen,
             normals,
             mirrored: is_mirrored(&object.transform),
         }
@@ -71,6 +80,18 @@ impl<'a> Placed<'a> {
         let textured = self.material.texture.is_some() && !self.mesh.places.is_empty();
         let places = textured.then(|| at.map(|i| self.mesh.places[i]));
         Some(Corners { clip, face_normal, normals, colors, alphas, places })
+    }
+
+    /// A triangle on the screen, clipped.
+    #[must_use]
+    pub(super) fn polygon(
+        &self,
+        triangle: [u32; 3],
+        corners: &Corners,
+        viewport: &Viewport,
+    ) -> Polygon {
+        let placed = triangle.map(|i| self.screen[i as usize]);
+        Polygon::of_placed(placed).unwrap_or_else(|| viewport.clip(corners.clip))
     }
 
     /// The surface of a triangle, as it is seen.

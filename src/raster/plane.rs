@@ -163,5 +163,8 @@ fn long(v: impl Into<i128>) -> i128 {
 
 /// n / d rounded to the nearest integer, halves up; d > 0.
 fn divide_rounding(n: i128, d: i128) -> i128 {
-    (2 * n + d).div_euclid(2 * d)
+    // One division, of magnitudes, rounded towards minus infinity.
+    let (n, d) = (2 * n + d, (2 * d).unsigned_abs());
+    let size = n.unsigned_abs();
+    if n >= 0 { (size / d) as i128 } else { -(size.div_ceil(d) as i128) }
 }

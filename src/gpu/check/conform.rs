@@ -132,7 +132,7 @@ impl Host<'_> {
                     scheme.clear(&mem, 0..pixels);
                 }
                 Step::Prepare(pass, i) => {
-                    scheme.prepare(&mem, pass, &Batch::one(self.fragments[i]))
+                    scheme.prepare(&mem, pass, &Batch::one(self.fragments[i]));
                 }
                 Step::Screen(pass, pixel) => scheme.screen(&mem, pass, pixel..pixel + 1),
                 Step::Frame(pass) => scheme.frame(&mem, pass, 0..scheme.invocations(pass)),

@@ -51,7 +51,7 @@ impl Chunk {
             match placed.corners(*triangle) {
                 None => chunk.degenerate += 1,
                 Some(corners) => {
-                    let polygon = target.viewport.clip(corners.clip);
+                    let polygon = placed.polygon(*triangle, &corners, &target.viewport);
                     chunk.add(target.of(placed), index, &polygon, |turned, bounds| {
                         placed.surface(&corners, target.seen(turned), &target.viewport, bounds)
                     });

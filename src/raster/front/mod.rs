@@ -160,7 +160,7 @@ impl FrontEnd {
         let mut chunks = Vec::new();
         let mut first = 0u32;
         for object in &scene.objects {
-            let placed = Placed::new(object, scene, view_projection);
+            let placed = Placed::new(object, scene, view_projection, &target.viewport);
             let triangles = &object.mesh.triangles;
             chunks.par_extend(triangles.par_chunks(CHUNK).enumerate().map(|(i, part)| {
                 Chunk::of_object(&placed, part, first + (i * CHUNK) as u32, target)
