@@ -1,6 +1,6 @@
 //! The frame from the light: the same scene, method and executor, seen along the light.
 
-use super::{Exec, Options, Report, ShadowReport, Sim, TableOptions};
+use super::{Exec, Options, Report, ShadowReport, Sim, TableOptions, Wanted};
 use crate::effect::Effect;
 use crate::effect::lens::Lens;
 use crate::effect::shadow::{self, ShadowMap};
@@ -85,6 +85,7 @@ fn plain(options: &Options) -> Options {
     let importance = options.importance.elsewhere();
     let shadows = None;
     let mut plain = Options {
+        wanted: Wanted::Lists,
         data,
         cull_face,
         effect,

@@ -235,7 +235,8 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         counts.to_vec()
     }
 
-    /// Resolve pass, one invocation per pixel: add what the pixel holds to `held`, lists in any order.
+    /// Resolve pass, one invocation per pixel: add what the pixel holds to `held`, lists in any order. A list may have
+    /// the entries of other pixels already, which must stay as they are.
     fn resolve<M: Memory>(
         &self,
         mem: &M,

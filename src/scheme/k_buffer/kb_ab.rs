@@ -25,8 +25,8 @@ pub trait Base: Scheme<Holds = Keys> {
 pub trait Choice<A>: Send + Sync + 'static {
     /// The contract of the result.
     const CONTRACT: Contract;
-    /// Keep k of a pixel's keys.
-    fn cut(keys: &mut Keys, k: usize);
+    /// Keep k of the keys from number `first` on, which are those of one pixel.
+    fn cut(keys: &mut Keys, first: usize, k: usize);
 }
 
 /// The k nearest.
@@ -40,8 +40,8 @@ pub enum First {}
 impl<A: Base> Choice<A> for Nearest {
     const CONTRACT: Contract = A::SELECTED;
 
-    fn cut(keys: &mut Keys, k: usize) {
-        select::nearest(keys, k);
+    fn cut(keys: &mut Keys, first: usize, k: usize) {
+        select::nearest(keys, first, k);
     }
 }
 
@@ -52,8 +52,8 @@ impl Choice<AbLinkedList> for First {
         "f(p) <= k",
     );
 
-    fn cut(keys: &mut Keys, k: usize) {
-        keys.truncate(k);
+    fn cut(keys: &mut Keys, first: usize, k: usize) {
+        keys.truncate(first + k);
     }
 }
 
@@ -167,7 +167,8 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let first = keys.len();
         self.all.resolve(&Inside::<_, Self>::new(mem), pixel, keys).await;
-        C::cut(keys, self.k as usize);
+        C::cut(keys, first, self.k as usize);
     }
 }
