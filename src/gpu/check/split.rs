@@ -7,7 +7,10 @@ use crate::gpu::twin::band::Band;
 ///
 /// # Errors
 /// The first error other than that; or there is no room for one row of tiles.
-pub fn split<'p>(band: &Band<'p>, work: &mut impl FnMut(&Band<'p>) -> Result<()>) -> Result<()> {
+pub(super) fn split<'p>(
+    band: &Band<'p>,
+    work: &mut impl FnMut(&Band<'p>) -> Result<()>,
+) -> Result<()> {
     match work(band) {
         Err(failure @ (Failure::TooLarge(_) | Failure::OutOfMemory(_))) => {
             match (band.halves(), failure) {

@@ -1,5 +1,7 @@
 //! The same schemes on devices, by turns with ours.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::machine::Constants;
 use super::measure::{First, Runs};
 use super::plan::{Asked, Plan};
@@ -27,17 +29,23 @@ pub(super) fn rows(
 ) -> Result<Vec<Timing>> {
     let twin = find(method)?;
     let all = plan.executors();
-    let options = |exec: &(Exec, usize)| plan.options(method, &exec.0, exec.1);
+    let options = |exec: &(Exec, usize), sub_pixel_bits: u32| Options {
+        sub_pixel_bits,
+        ..plan.options(method, &exec.0, exec.1)
+    };
     // First, while nothing of a device lies in this process's memory, which these measure.
-    let first = |exec: &(Exec, usize)| First::new(&asked.scene, &options(exec));
-    let firsts: Vec<First> = all.iter().map(first).collect::<Result<_>>()?;
+    let bits: BTreeSet<u32> = devices.iter().map(Opened::bits).collect();
+    let mut firsts: BTreeMap<u32, Vec<First>> = BTreeMap::new();
+    for bits in bits {
+        let first = |exec: &(Exec, usize)| First::new(&asked.scene, &options(exec, bits));
+        firsts.insert(bits, all.iter().map(first).collect::<Result<_>>()?);
+    }
     let mut rows = Vec::new();
     for opened in devices {
         let picture = Picture::new(&asked.scene, opened.bits()).thick(&asked.scene, plan.thickness);
         let contender = Contender::new(&opened.device, &picture, twin, plan.k);
-        for (exec, first) in all.iter().zip(&firsts) {
-            let options = Options { sub_pixel_bits: opened.bits(), ..options(exec) };
-            let mut runs = Runs::new(&asked.scene, &options)?;
+        for (exec, first) in all.iter().zip(&firsts[&opened.bits()]) {
+            let mut runs = Runs::new(&asked.scene, &options(exec, opened.bits()))?;
             let mut failed = None;
             let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {
                 contender.seconds(plan.repeats, || failed = failed.take().or(runs.once().err()))

@@ -68,15 +68,21 @@ impl Mean {
     }
 }
 
+/// An executor, its threads, and an adapter.
+type Beside<'a> = (&'a str, usize, &'a str);
+
+/// Ratios, and whose they are.
+type Ratios<'a> = Vec<(f64, &'a Timing)>;
+
 /// One for each executor, number of threads and adapter.
 pub(super) fn means(rows: &[Timing]) -> Vec<Mean> {
-    let mut groups: BTreeMap<(&str, usize, &str), Vec<(f64, &Timing)>> = BTreeMap::new();
+    let mut groups: BTreeMap<Beside<'_>, Ratios<'_>> = BTreeMap::new();
     for row in rows {
         if let (Some(ratio), Some(adapter)) = (row.ratio, &row.adapter) {
             groups.entry((&row.exec, row.threads, adapter)).or_default().push((ratio, row));
         }
     }
-    let mean = |((exec, threads, adapter), group): ((&str, usize, &str), Vec<(f64, &Timing)>)| {
+    let mean = |((exec, threads, adapter), group): (Beside<'_>, Ratios<'_>)| {
         let ratios: Vec<f64> = group.iter().map(|(ratio, _)| *ratio).collect();
         let (smallest, of) = group.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Mean {
