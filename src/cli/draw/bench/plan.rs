@@ -186,25 +186,25 @@ fn suite(millions: u32, [width, height]: [u32; 2]) -> Vec<String> {
     let layers = libm::round(fragments / pixels).clamp(1.0, 4_096.0);
     // Of 8-pixel triangles there is room for as many as a scene may have.
     let small = layers.min(libm::floor(4_194_304.0 * 16.0 / pixels)).max(1.0);
-    // What these have at one per 1024x1024 pixels was counted; it grows with their number and with the pixels.
+    let megapixels = pixels / f64::from(1 << 20);
     let count =
-        |each: f64| libm::round(fragments / (each * pixels / 1_048_576.0)).clamp(1.0, 100_000.0);
+        |each: f64, most: f64| libm::round(fragments / (each * megapixels)).clamp(1.0, most);
     vec![
         format!("synthetic:n={small},density=100,area=8"),
         format!("synthetic:n={layers},density=100,area=128"),
         format!("layers:count={layers}"),
         format!("layers:count={layers},order=front-to-back"),
         format!("layers:count={layers},order=back-to-front"),
-        format!("beard:hairs={}", count(PER_HAIR)),
-        format!("hairball:strands={}", count(PER_STRAND)),
-        format!("surfels:count={}", count(PER_SURFEL)),
+        format!("beard:hairs={}", count(PER_HAIR, 200_000.0)),
+        format!("hairball:strands={}", count(PER_STRAND, 100_000.0)),
+        format!("surfels:count={}", count(PER_SURFEL, 100_000.0)),
     ]
 }
 
-/// Fragments of a hair, a strand and a disc at 1024x1024.
-const PER_HAIR: f64 = 300.0;
-const PER_STRAND: f64 = 2_000.0;
-const PER_SURFEL: f64 = 3_000.0;
+/// Fragments of a hair, a strand and a disc at 1024x1024, as counted; they grow with the pixels.
+const PER_HAIR: f64 = 320.0;
+const PER_STRAND: f64 = 3_740.0;
+const PER_SURFEL: f64 = 4_390.0;
 
 /// A built-in scene with `factor` times as much of what its first count counts.
 ///
@@ -240,6 +240,7 @@ pub(super) fn grown(name: &str, factor: u32) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raster::{CullFace, FrontEnd, Grid};
 
     #[test]
     fn scenes_grow_by_their_first_count() {
@@ -265,10 +266,14 @@ mod tests {
         assert_eq!(at(300, [1_024, 1_024])[2], "layers:count=286");
         assert_eq!(at(300, [1_024, 1_024])[0], "synthetic:n=64,density=100,area=8");
         assert_eq!(at(1, [16_384, 16_384])[4], "layers:count=1,order=back-to-front");
-        for name in at(1, [320, 200]) {
-            let overrides = Overrides { size: Some([320, 200]), ..Overrides::default() };
+        // About: pictures of another shape show more or less of a scene.
+        for name in at(1, [512, 512]) {
+            let overrides = Overrides { size: Some([512, 512]), ..Overrides::default() };
             let scene = scene::load(&name, &overrides).expect(&name);
-            assert!(scene.triangles() > 0, "{name}");
+            let grid = Grid { width: 512, height: 512, tile: 64 };
+            let front = FrontEnd::new(&scene, grid, 8, CullFace::None);
+            let fragments: u64 = front.count_fragments().iter().sum();
+            assert!((800_000..1_300_000).contains(&fragments), "{name}: {fragments}");
         }
     }
 }
