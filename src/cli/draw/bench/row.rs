@@ -73,7 +73,7 @@ impl Timing {
 }
 
 /// The phases that follow each other in a frame; all others are parts of these, or timed beside it.
-const FRAME: [&str; 6] = ["setup", "count", "culling", "draw", "assemble", "hash"];
+const FRAME: [&str; 7] = ["setup", "count", "culling", "draw", "judge", "assemble", "hash"];
 
 #[cfg(test)]
 mod tests {

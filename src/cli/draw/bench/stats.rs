@@ -62,7 +62,7 @@ impl Mean {
         let Self { exec, threads, adapter, rows, geometric_mean, smallest, .. } = self;
         let (method, scene) = (&self.smallest_method, &self.smallest_scene);
         format!(
-            "{exec}, threads: {threads}, beside {adapter}: geometric mean {geometric_mean:.2} of {rows} ratios; the \
+            "{exec} with {threads} threads, beside {adapter}: geometric mean {geometric_mean:.2} of {rows} ratios; the \
              smallest is {smallest:.2}, {method} on {scene}\n"
         )
     }
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(tile.smallest_method, "z-buffer");
         assert_eq!((threads.exec.as_str(), threads.rows), ("threads", 1));
         assert!((threads.geometric_mean - 0.5).abs() < 1e-12);
-        let right = "tile, threads: 2, beside llvmpipe: geometric mean 4.00 of 2 ratios; the smallest is 2.00, \
+        let right = "tile with 2 threads, beside llvmpipe: geometric mean 4.00 of 2 ratios; the smallest is 2.00, \
                      z-buffer on layers:count=2\n";
         assert_eq!(tile.line(), right);
         assert!(means(&rows[3..]).is_empty());
