@@ -59,6 +59,7 @@ fn wrong_options_are_one_line() {
         ("bench layers:count=40000 --scaling fragments", &["layers: count:", "65536"]),
         ("bench --scaling threads --cull occupancy", &["--scaling", "--cull"]),
         ("bench --csv --json", &["--csv", "--json"]),
+        ("bench --wanted all", &["--wanted", "lists, hash, picture"]),
         ("bench --max-memory lots", &["--max-memory:", "512M"]),
         ("bench cubes --size 64x64 --max-memory 1K", &["--max-memory:", "1024"]),
         ("bench --explore nonsense", &["--explore:", "nonsense"]),
@@ -204,6 +205,10 @@ fn tables_are_for_people() {
     }
     for word in ["adapter", "culling", "parts"] {
         assert!(!run.stdout.contains(word), "{word}: {run:?}");
+    }
+    for wanted in ["hash", "picture"] {
+        let line = "bench layers:count=2 --size 32x24 --repeats 1 -m ab-ll -q --wanted";
+        assert_eq!(dir.run(&format!("{line} {wanted}")).code, 0, "{wanted}");
     }
     let culled = dir.run(
         "bench layers:count=9 --size 32x24 --repeats 1 -m kplus-array -k 2 --cull occupancy -q",

@@ -104,6 +104,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "occupancy[:D]")]
     cull: Option<String>,
 
+    /// What is wanted of the fragments that pixels keep: their lists and a hash of them, the hash alone, or only the
+    /// picture
+    #[arg(long, value_enum, value_name = "WHAT", default_value = "lists")]
+    wanted: Wanted,
+
     /// Refuse a run that needs more memory, in bytes; K, M, G and T are powers of 1024
     #[arg(long, value_name = "BYTES", default_value = "8G", allow_negative_numbers = true)]
     max_memory: String,
@@ -114,7 +119,7 @@ pub(in crate::cli) struct Args {
         value_name = "METHOD,...",
         value_delimiter = ',',
         conflicts_with_all = [
-            "scenes", "methods", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull"
+            "scenes", "methods", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull", "wanted"
         ]
     )]
     explore: Vec<String>,
@@ -139,6 +144,14 @@ pub(in crate::cli) struct Args {
 
     #[command(flatten)]
     output: Output,
+}
+
+/// `--wanted`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Wanted {
+    Lists,
+    Hash,
+    Picture,
 }
 
 /// What `--json` prints.

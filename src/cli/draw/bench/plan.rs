@@ -1,7 +1,7 @@
 //! What is to be timed: options, checked and completed.
 
 use super::stats::timed;
-use super::{Args, Scaling};
+use super::{Args, Scaling, Wanted};
 use crate::catalogue::Catalogue;
 use crate::cli::options::flags::Exec;
 use crate::cli::options::importance::culling;
@@ -52,6 +52,7 @@ pub(super) struct Plan {
     pub(super) cull: Option<u32>,
     pub(super) repeats: u32,
     pub(super) size: Option<[u32; 2]>,
+    wanted: render::Wanted,
     max_memory: u64,
     pub(super) quiet: bool,
 }
@@ -96,6 +97,11 @@ impl Plan {
             cull: args.cull.as_deref().map(culling).transpose()?,
             repeats: args.repeats,
             size,
+            wanted: match args.wanted {
+                Wanted::Lists => render::Wanted::Lists,
+                Wanted::Hash => render::Wanted::Hash,
+                Wanted::Picture => render::Wanted::Picture,
+            },
             max_memory: values::bytes("--max-memory", &args.max_memory)?,
             quiet: args.output.quiet,
         })
@@ -132,6 +138,7 @@ impl Plan {
             thickness: self.thickness,
             data: Data::Color,
             counters: false,
+            wanted: self.wanted,
             max_memory: self.max_memory,
             ..Options::default()
         }
