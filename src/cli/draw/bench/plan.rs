@@ -274,10 +274,10 @@ mod tests {
         assert_eq!(at(300, [1_024, 1_024])[0], "synthetic:n=64,density=100,area=8");
         assert_eq!(at(1, [16_384, 16_384])[4], "layers:count=1,order=back-to-front");
         // About: pictures of another shape show more or less of a scene.
-        for name in at(1, [512, 512]) {
-            let overrides = Overrides { size: Some([512, 512]), ..Overrides::default() };
+        for name in at(1, [1_024, 1_024]) {
+            let overrides = Overrides { size: Some([1_024, 1_024]), ..Overrides::default() };
             let scene = scene::load(&name, &overrides).expect(&name);
-            let grid = Grid { width: 512, height: 512, tile: 64 };
+            let grid = Grid { width: 1_024, height: 1_024, tile: 64 };
             let front = FrontEnd::new(&scene, grid, 8, CullFace::None);
             let fragments: u64 = front.count_fragments().iter().sum();
             assert!((800_000..1_300_000).contains(&fragments), "{name}: {fragments}");
