@@ -61,6 +61,9 @@ fn bad_input_is_one_line() {
         ("bench --thickness thin", &["--thickness:", "\"thin\"", "10x"]),
         ("bench -m nonsense", &["-m:", "nonsense"]),
         ("bench --adapter any", &["--gpu"]),
+        ("bench --gpu --exec sim", &["--exec:", "sim"]),
+        ("bench --gpu --scaling threads", &["--gpu", "--scaling"]),
+        ("bench --gpu --explore kb", &["--gpu", "--explore"]),
         ("bench missing.obj", &["missing.obj"]),
     ] {
         dir.run(line).is_error(words);
@@ -172,9 +175,21 @@ fn devices_are_timed_beside_the_simulator() {
     }
     let run = dir.run("bench layers:count=4 --size 64x64 --repeats 2 -m ab-ll --gpu --json");
     assert_eq!(run.code, 0, "{run:?}");
-    let found = rows(&run);
+    let document = run.json();
+    let list = |field: &str| document[field].as_array().unwrap().clone();
+    let (found, means) = (list("rows"), list("means"));
+    assert_eq!([found.len(), means.len()], [2 * all.len(); 2], "{means:?}");
     for adapter in &all {
         let row = found.iter().find(|row| row["adapter"] == adapter["name"]).unwrap();
+        assert_eq!(row["parts"], 1, "{row}");
+        let is_same =
+            |mean: &&Value| ["adapter", "exec", "threads"].iter().all(|f| mean[f] == row[f]);
+        let mean = means.iter().find(is_same).unwrap();
+        assert_eq!(
+            (mean["rows"].as_u64(), mean["smallest_method"].as_str()),
+            (Some(1), Some("ab-ll"))
+        );
+        assert_eq!(mean["smallest"], row["ratio"], "{mean}");
         let [ratio, low, high] = [&row["ratio"], &row["ratio_spread"][0], &row["ratio_spread"][1]]
             .map(|v| {
                 let Some(value) = v.as_f64() else { panic!("a number in {row}") };

@@ -22,6 +22,7 @@ mod inside;
 pub mod layout;
 pub mod native;
 mod perform;
+pub mod probe;
 pub mod reuse;
 pub mod sim;
 pub mod word;

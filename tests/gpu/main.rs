@@ -12,6 +12,7 @@ mod inputs;
 mod merging;
 mod mutants;
 mod outcomes;
+mod race;
 mod text;
 mod vulkan;
 

@@ -1,25 +1,38 @@
-//! `fragloom bench`: how fast methods are, by phase, next to the same schemes on devices.
+//! `fragloom bench`: how fast methods are, by phase, next to the same schemes on devices, to what the machine can do,
+//! and to themselves with more threads or more to draw.
 
-use std::collections::BTreeMap;
+#[cfg(feature = "gpu")]
+mod devices;
+mod explore;
+mod front;
+mod limit;
+mod machine;
+mod measure;
+mod peak;
+mod plan;
+mod row;
+mod scaling;
+mod stats;
+mod table;
+
+use machine::Constants;
+use measure::{First, Runs};
+use plan::{Asked, Plan};
+use row::Timing;
+use scaling::{Scaling, Step};
+use stats::{Mean, median};
 
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
-use crate::cli::options::flags::Output;
-use crate::cli::options::importance::culling;
-use crate::cli::options::{settings, values};
+use crate::cli::options::flags::{Exec, Output};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
-use crate::exec::{Kit, Method};
-use crate::render::{Data, Exec, Options, render_with};
+use crate::exec::Method;
+use crate::render::Options;
 use crate::report::json;
-use crate::report::text::{Align, columns};
-use crate::scene::{self, Overrides, Scene, Shading, Thickness};
 
-/// Scenes that are timed if none is named.
-const SCENES: [&str; 3] = ["synthetic:n=16,density=80", "layers:count=8", "bottles"];
-
-/// The size of `--quick`.
-const QUICK: [u32; 2] = [256, 256];
+/// The most fragments of `--explore`.
+const MOST_FRAGMENTS: u32 = 8;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -27,17 +40,12 @@ pub(in crate::cli) struct Args {
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
 
-    /// Methods to time, separated by commas
-    #[arg(
-        short,
-        long = "method",
-        value_name = "METHOD,...",
-        value_delimiter = ',',
-        default_value = "ab-ll,kplus-array"
-    )]
+    /// Methods to time, separated by commas [default: ab-ll and kplus-array; with --suite also z-buffer, kplus-heap,
+    /// s-buffer, dfb and ha64]
+    #[arg(short, long = "method", value_name = "METHOD,...", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Fragments kept per pixel, at least 1 [default: the method's own]
+    /// Fragments kept per pixel, at least 1 [default: the method's own; 1 with --explore]
     #[arg(short, value_name = "N", allow_negative_numbers = true)]
     k: Option<u32>,
 
@@ -53,6 +61,40 @@ pub(in crate::cli) struct Args {
     #[arg(long, conflicts_with = "size")]
     quick: bool,
 
+    /// Time the scenes of the yardstick, each of about N million fragments, 1 to 300, and then those named: triangles of
+    /// 8 and 128 pixels, layers in three orders, hair, a ball of hair, points [default: not; 10 if no N is given]
+    #[arg(
+        long,
+        value_name = "N",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "10"
+    )]
+    suite: Option<u32>,
+
+    /// Executors, separated by commas: parallel tiles, contending threads, a simulated device
+    #[arg(
+        long = "exec",
+        value_enum,
+        value_name = "EXECUTOR,...",
+        value_delimiter = ',',
+        default_value = "tile,threads"
+    )]
+    execs: Vec<Exec>,
+
+    /// Numbers of worker threads, separated by commas, each of which is timed; 0 is one per core [default: one per core]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', allow_negative_numbers = true)]
+    threads: Vec<usize>,
+
+    /// Print how time grows instead: with threads, from 1 to one per core or those of --threads; or with the fragments,
+    /// triangles or pixels of a scene, doubled --steps - 1 times [default: none]
+    #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "cull")]
+    scaling: Option<Scaling>,
+
+    /// With `--scaling`, how many sizes are timed, 2 to 12
+    #[arg(long, value_name = "N", default_value_t = 4, allow_negative_numbers = true)]
+    steps: u32,
+
     /// How often each is timed, 1 to 1000; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
     repeats: u32,
@@ -62,9 +104,33 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "occupancy[:D]")]
     cull: Option<String>,
 
+    /// What is wanted of the fragments that pixels keep: their lists and a hash of them, the hash alone, or only the
+    /// picture
+    #[arg(long, value_enum, value_name = "WHAT", default_value = "lists")]
+    wanted: Wanted,
+
+    /// Refuse a run that needs more memory, in bytes; K, M, G and T are powers of 1024
+    #[arg(long, value_name = "BYTES", default_value = "8G", allow_negative_numbers = true)]
+    max_memory: String,
+
+    /// Time the explorer on these methods instead, separated by commas: states a second, bytes a state [default: none]
+    #[arg(
+        long,
+        value_name = "METHOD,...",
+        value_delimiter = ',',
+        conflicts_with_all = [
+            "scenes", "methods", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull", "wanted"
+        ]
+    )]
+    explore: Vec<String>,
+
+    /// With `--explore`, fragments of the instance, 1 to 8 [default: 4, and 3 under relaxed memory]
+    #[arg(short, value_name = "FRAGMENTS", requires = "explore", allow_negative_numbers = true)]
+    n: Option<u32>,
+
     /// Also time the same scheme on every device, alternating with it
     #[cfg(feature = "gpu")]
-    #[arg(long, conflicts_with = "cull")]
+    #[arg(long, conflicts_with_all = ["cull", "scaling", "explore"])]
     gpu: bool,
 
     /// With `--gpu`, only adapters whose name or driver contains this [default: all]
@@ -72,42 +138,43 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,
 
+    /// Print comma-separated values instead of the table: the rows alone
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+
     #[command(flatten)]
     output: Output,
 }
 
-/// One method on one scene, by one executor, and by a device if requested.
-#[derive(Clone, Debug, Default, serde::Serialize)]
-struct Timing {
-    method: String,
-    scene: String,
-    exec: String,
-    threads: usize,
-    fragments: u64,
-    /// Medians, by phase.
-    seconds: BTreeMap<String, f64>,
-    /// Of clear, store and resolve.
-    mfrag_per_s: f64,
-    /// The distance from the machine's own limit: not measured.
-    limit_ratio: Option<f64>,
+/// `--wanted`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Wanted {
+    Lists,
+    Hash,
+    Picture,
+}
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Document<'a, T> {
+    machine: Machine<'a>,
+    rows: &'a [T],
     #[serde(skip_serializing_if = "Option::is_none")]
-    adapter: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gpu_seconds: Option<f64>,
-    /// The device's time over ours, median of alternating runs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ratio: Option<f64>,
-    /// The smallest and the largest.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ratio_spread: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unsupported: Option<String>,
-    /// Intervals of the culling passes, if there are any: the seconds of `culling` are theirs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cull_intervals: Option<u32>,
-    /// Time with culling over time without, median of alternating runs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cull_ratio: Option<f64>,
+    means: Option<&'a [Mean]>,
+}
+
+/// The machine, as it was measured.
+#[derive(serde::Serialize)]
+struct Machine<'a> {
+    cores: usize,
+    constants: &'a [Constants],
+}
+
+impl Machine<'_> {
+    fn new(constants: &[Constants]) -> Machine<'_> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Machine { cores, constants }
+    }
 }
 
 /// Time everything; print a row for each.
@@ -115,282 +182,133 @@ struct Timing {
 /// # Errors
 /// Wrong options or scenes, or no device although one was requested.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
-    if !(1..=1_000).contains(&args.repeats) {
-        let problem = format!("is {}, but must be 1 to 1000", args.repeats);
-        return Err(Error::new("--repeats", problem));
+    let plan = Plan::new(catalogue, args)?;
+    if !args.explore.is_empty() {
+        let rows = explore::run(catalogue, args)?;
+        print(args, &rows, &[], None, || explore::text(&rows))?;
+        return Ok(Verdict::Clean);
     }
-    let quick = args.quick.then_some(QUICK);
-    let size = args.size.as_deref().map(values::size).transpose()?.or(quick);
-    // One colour per triangle: float shading is not timed, and devices do not do it.
-    let shading = Some(Shading::Flat);
-    let overrides = Overrides { size, shading, ..Overrides::default() };
-    let named: Vec<String> = match args.scenes.as_slice() {
-        [] => SCENES.map(str::to_owned).to_vec(),
-        named => named.to_vec(),
-    };
-    let methods = catalogue.select("-m", &args.methods)?;
-    let scenes: Vec<Scene> =
-        named.iter().map(|name| scene::load(name, &overrides)).collect::<Result<_>>()?;
-    let thickness = settings::thickness(args.thickness.as_deref())?;
-    let mut rows = Vec::new();
+    if let Some(scaling) = args.scaling {
+        let steps = scale(&plan, scaling, args.steps)?;
+        print(args, &steps, &[], None, || scaling::text(&steps))?;
+        return Ok(Verdict::Clean);
+    }
+    let scenes = plan.scenes()?;
     #[cfg(feature = "gpu")]
-    let devices = if args.gpu {
-        crate::cli::verify::crosscheck::devices(args.adapter.as_deref())?
-    } else {
-        Vec::new()
-    };
-    for scene in &scenes {
-        for &method in &methods {
-            let message = format!("timing {method} on {}", scene.name);
-            let timed = wait::during(args.output.quiet, &message, || {
+    let opened = devices(args)?;
+    let machine = wait::during(plan.quiet, "measuring the machine", || constants(&plan))?;
+    let mut rows = Vec::new();
+    for asked in &scenes {
+        for &method in &plan.methods {
+            rows.extend(wait::during(plan.quiet, &message(asked, method), || {
                 #[cfg(feature = "gpu")]
                 if args.gpu {
-                    return devices::rows(args, scene, method, thickness, &devices);
+                    let rows = devices::rows(&plan, asked, method, &machine, &opened)?;
+                    return Ok(rows.into_iter().map(|row| named(row, asked)).collect());
                 }
-                rows_of(args, scene, method, thickness)
-            })?;
-            rows.extend(timed);
+                rows_of(&plan, asked, method, &machine)
+            })?);
         }
     }
-    let text = if args.output.json { json::document(&rows)? } else { table(&rows) };
-    say::result(&text)?;
+    let means = stats::means(&rows);
+    print(args, &rows, &machine, Some(&means), || table::tables(&rows, &machine, &means))?;
     Ok(Verdict::Clean)
 }
 
-fn options(
-    args: &Args,
-    method: Method,
-    exec: Exec,
-    sub_pixel_bits: u32,
-    thickness: Thickness,
-) -> Options {
-    Options {
-        method,
-        k: args.k,
-        exec,
-        sub_pixel_bits,
-        thickness,
-        data: Data::Color,
-        counters: false,
-        ..Options::default()
-    }
+fn message(asked: &Asked, method: Method) -> String {
+    format!("timing {method} on {}", asked.scene.name)
 }
 
+#[cfg(feature = "gpu")]
+fn devices(args: &Args) -> Result<Vec<crate::gpu::check::open::Opened>> {
+    if !args.gpu {
+        return Ok(Vec::new());
+    }
+    if args.execs.contains(&Exec::Sim) {
+        let problem = "sim steps one operation at a time, and is not timed beside devices: leave it out, or --gpu";
+        return Err(Error::new("--exec", problem));
+    }
+    crate::cli::verify::crosscheck::devices(args.adapter.as_deref())
+}
+
+/// The constants for one thread, and for every number of threads that is timed.
+fn constants(plan: &Plan) -> Result<Vec<Constants>> {
+    let mut threads: Vec<usize> = std::iter::once(1).chain(plan.threads.iter().copied()).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    threads.into_iter().map(Constants::measure).collect()
+}
+
+/// A method on a scene: a row for every executor and number of threads, and another with culling.
 fn rows_of(
-    args: &Args,
-    scene: &Scene,
+    plan: &Plan,
+    asked: &Asked,
     method: Method,
-    thickness: Thickness,
+    machine: &[Constants],
 ) -> Result<Vec<Timing>> {
-    let words = args.cull.as_deref().map(culling).transpose()?;
+    let scene = &asked.scene;
     let mut rows = Vec::new();
-    for exec in [Exec::Tile, Exec::Threads] {
-        let plain = options(args, method, exec, 8, thickness);
-        let culled = words.map(|words| Options { cull: Some(words), ..plain.clone() });
-        let (mut without, mut with) = (Vec::new(), Vec::new());
-        // The first frame is not timed, as on devices: it makes the system hand out pages.
-        let kits = [(); 2].map(|()| Kit::of_several());
-        for run in 0..=args.repeats {
-            let plain = once(scene, &plain, &kits[0])?;
-            let culled =
-                culled.as_ref().map(|options| once(scene, options, &kits[1])).transpose()?;
-            if run > 0 {
-                without.push(plain);
-                with.extend(culled);
-            }
+    for (exec, threads) in plan.executors() {
+        let plain = plan.options(method, &exec, threads);
+        let culled = plan.cull.map(|words| Options { cull: Some(words), ..plain.clone() });
+        let first = First::new(scene, &plain)?;
+        let first_culled = culled.as_ref().map(|options| First::new(scene, options)).transpose()?;
+        let mut without = Runs::new(scene, &plain)?;
+        let mut with = culled.as_ref().map(|options| Runs::new(scene, options)).transpose()?;
+        for _ in 0..plan.repeats {
+            without.once()?;
+            with.as_mut().map_or(Ok(()), Runs::once)?;
         }
-        rows.push(row(&without));
-        if let Some(words) = words {
-            let ratio = |(with, without): (&TimedFrame, &TimedFrame)| with.frame / without.frame;
-            let ratios = with.iter().zip(&without).map(ratio).collect();
-            let cull_ratio = Some(median(ratios));
-            rows.push(Timing { cull_intervals: Some(32 * words), cull_ratio, ..row(&with) });
+        rows.push(named(without.row(&first, machine), asked));
+        if let (Some(words), Some(with), Some(first)) = (plan.cull, with, first_culled) {
+            let ratio = |(with, without): (f64, f64)| with / without;
+            let ratios = with.draws().into_iter().zip(without.draws()).map(ratio).collect();
+            let (cull_intervals, cull_ratio) = (Some(32 * words), Some(median(ratios)));
+            let row = named(with.row(&first, machine), asked);
+            rows.push(Timing { cull_intervals, cull_ratio, ..row });
         }
     }
     Ok(rows)
 }
 
-/// A frame: what drew it, and its times.
-#[derive(Clone, Debug)]
-struct TimedFrame {
-    row: Timing,
-    seconds: BTreeMap<String, f64>,
-    frame: f64,
+/// A row with what is known of the scene that was asked for.
+fn named(mut row: Timing, asked: &Asked) -> Timing {
+    row.asked.clone_from(&asked.name);
+    row.seconds.insert("load".to_owned(), asked.load);
+    row
 }
 
-fn once(scene: &Scene, options: &Options, kit: &Kit) -> Result<TimedFrame> {
-    let report = render_with(scene, options, kit)?.report;
-    let of = |phase: &str| report.seconds.get(phase).copied().unwrap_or_default();
-    let frame = of("draw") + of("culling");
-    let row = Timing {
-        method: report.method,
-        scene: report.scene,
-        exec: report.exec,
-        threads: report.threads,
-        fragments: report.generated,
-        ..Timing::default()
-    };
-    Ok(TimedFrame { row, seconds: report.seconds, frame })
-}
-
-fn row(runs: &[TimedFrame]) -> Timing {
-    let first = &runs[0];
-    let phase = |name: &String| {
-        let times = runs.iter().filter_map(|run| run.seconds.get(name).copied()).collect();
-        (name.clone(), median(times))
-    };
-    let frame = median(runs.iter().map(|run| run.frame).collect());
-    let seconds = first.seconds.keys().map(phase).collect();
-    Timing { seconds, mfrag_per_s: first.row.fragments as f64 / frame / 1e6, ..first.row.clone() }
-}
-
-/// The middle one, or the mean of both.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => values[n / 2],
-        n => f64::midpoint(values[n / 2 - 1], values[n / 2]),
-    }
-}
-
-fn table(rows: &[Timing]) -> String {
-    use Align::{Left, Right};
-    let heading = [
-        "method",
-        "scene",
-        "exec",
-        "fragments",
-        "draw s",
-        "Mfrag/s",
-        "adapter",
-        "adapter s",
-        "ratio",
-        "spread",
-        "culling",
-    ];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|row| {
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or(String::new(), |value| format!("{value:.digits$}"))
-        };
-        let spread = match (&row.unsupported, row.ratio_spread) {
-            (Some(why), _) => format!("unsupported: {why}"),
-            (_, Some([low, high])) => format!("{low:.2}-{high:.2}"),
-            _ => String::new(),
-        };
-        vec![
-            row.method.clone(),
-            row.scene.clone(),
-            row.exec.clone(),
-            row.fragments.to_string(),
-            number(row.seconds.get("draw").copied(), 4),
-            number(Some(row.mfrag_per_s), 1),
-            row.adapter.clone().unwrap_or_default(),
-            number(row.gpu_seconds, 4),
-            number(row.ratio, 2),
-            spread,
-            culled(row),
-        ]
-    }));
-    let align = [Left, Left, Left, Right, Right, Right, Left, Right, Right, Left, Left];
-    columns(&align, &lines)
-}
-
-/// What culling does to the time.
-fn culled(row: &Timing) -> String {
-    let (Some(intervals), Some(ratio)) = (row.cull_intervals, row.cull_ratio) else {
-        return String::new();
-    };
-    let passes = row.seconds.get("culling").copied().unwrap_or_default();
-    let verdict = if ratio > 1.0 { "costs more than it saves" } else { "saves" };
-    format!("{intervals} intervals, {passes:.4} s: {ratio:.2} times as long, {verdict}")
-}
-
-#[cfg(feature = "gpu")]
-mod devices {
-    //! Alternating with devices.
-
-    use super::{
-        Args, Exec, Kit, Method, Result, Scene, Thickness, TimedFrame, Timing, median, once,
-        options, row,
-    };
-    use crate::gpu::check::crosscheck::find;
-    use crate::gpu::check::open::Opened;
-    use crate::gpu::check::race::Contender;
-    use crate::gpu::driver::failure::Failure;
-    use crate::gpu::twin::picture::Picture;
-
-    pub(in crate::cli) fn rows(
-        args: &Args,
-        scene: &Scene,
-        method: Method,
-        thickness: Thickness,
-        devices: &[Opened],
-    ) -> Result<Vec<Timing>> {
-        let twin = find(method)?;
-        let mut rows = Vec::new();
-        for opened in devices {
-            let picture = Picture::new(scene, opened.bits()).thick(scene, thickness);
-            let contender = Contender::new(&opened.device, &picture, twin, args.k);
-            for exec in [Exec::Tile, Exec::Threads] {
-                let options = options(args, method, exec, opened.bits(), thickness);
-                let (mut runs, kit) = (Vec::new(), Kit::of_several());
-                // The first frame is not timed, on either side.
-                once(scene, &options, &kit)?;
-                let mut failed = None;
-                let theirs = contender.as_ref().map_err(Clone::clone).and_then(|contender| {
-                    contender.seconds(args.k, args.repeats, || match once(scene, &options, &kit) {
-                        Ok(run) => runs.push(run),
-                        Err(error) => failed = Some(error),
-                    })
-                });
-                if let Some(error) = failed {
-                    return Err(error);
-                }
-                if runs.is_empty() {
-                    runs.push(once(scene, &options, &kit)?);
-                }
-                rows.push(beside(&runs, opened, theirs));
+/// Every scene in every size, or with every number of threads.
+fn scale(plan: &Plan, scaling: Scaling, count: u32) -> Result<Vec<Step>> {
+    let mut steps = Vec::new();
+    for family in scaling::families(plan, scaling, count)? {
+        let (mut rows, mut pixels) = (Vec::new(), Vec::new());
+        for larger in family {
+            let asked = larger.load(plan)?;
+            for &method in &plan.methods {
+                let more = wait::during(plan.quiet, &message(&asked, method), || {
+                    rows_of(plan, &asked, method, &[])
+                })?;
+                rows.extend(more);
             }
+            pixels.resize(rows.len(), asked.scene.size.map(u64::from).iter().product());
         }
-        Ok(rows)
+        steps.extend(scaling::steps(scaling, &rows, &pixels));
     }
-
-    fn beside(
-        runs: &[TimedFrame],
-        opened: &Opened,
-        theirs: std::result::Result<Vec<f64>, Failure>,
-    ) -> Timing {
-        let adapter = Some(opened.device.name.name.clone());
-        let row = Timing { adapter, ..row(runs) };
-        match theirs {
-            Err(failure) => Timing { unsupported: Some(failure.to_string()), ..row },
-            Ok(seconds) => {
-                let ratio = |(run, theirs): (&TimedFrame, &f64)| theirs / run.frame;
-                let ratios: Vec<f64> = runs.iter().zip(&seconds).map(ratio).collect();
-                let ends = ratios.iter().fold([f64::MAX, 0.0f64], |[low, high], &ratio| {
-                    [low.min(ratio), high.max(ratio)]
-                });
-                Timing {
-                    gpu_seconds: Some(median(seconds)),
-                    ratio: Some(median(ratios)),
-                    ratio_spread: Some(ends),
-                    ..row
-                }
-            }
-        }
-    }
+    Ok(steps)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_middle_is_the_median() {
-        assert_eq!(median(vec![3.0, 1.0, 2.0]).to_bits(), 2.0f64.to_bits());
-        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]).to_bits(), 2.5f64.to_bits());
-        assert_eq!(median(Vec::new()).to_bits(), 0);
-    }
+fn print<T: serde::Serialize>(
+    args: &Args,
+    rows: &[T],
+    machine: &[Constants],
+    means: Option<&[Mean]>,
+    text: impl FnOnce() -> String,
+) -> Result<()> {
+    let text = match (args.output.json, args.csv) {
+        (true, _) => json::document(&Document { machine: Machine::new(machine), rows, means })?,
+        (_, true) => table::csv(rows)?,
+        _ => text(),
+    };
+    say::result(&text)
 }

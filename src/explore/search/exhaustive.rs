@@ -189,6 +189,7 @@ impl<'a> Search<'a> {
             stopped: self.stopped,
             states: self.space.len(),
             transitions: self.graph.targets.len(),
+            bytes: self.space.bytes() + self.graph.bytes(),
             executions: if complete { executions(&self.graph) } else { None },
             cyclic: is_cyclic(&self.graph),
             outcomes,

@@ -93,6 +93,8 @@ pub struct Explored {
     pub states: usize,
     /// Moves from them.
     pub transitions: usize,
+    /// Bytes of the states and moves that it kept, but for the hash table's.
+    pub bytes: usize,
     /// Complete interleavings, a repeated state not counted again; `None` if there are cycles, or above 2^127.
     pub executions: Option<u128>,
     /// Some invocation can repeat itself: there is a cycle, possibly of one step.
@@ -119,6 +121,7 @@ impl Explored {
             stopped: Some(Stopped::Panics),
             states: 0,
             transitions: 0,
+            bytes: 0,
             executions: None,
             cyclic: false,
             outcomes: BTreeMap::new(),

@@ -19,6 +19,11 @@ impl Graph {
     pub(in crate::explore) fn states(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
+
+    /// Bytes in use.
+    pub(in crate::explore) fn bytes(&self) -> usize {
+        size_of_val(&*self.first) + size_of_val(&*self.targets) + size_of_val(&*self.movers)
+    }
 }
 
 /// Whether some path leads from a state back to itself.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 pub use super::backend::Path;
 use super::backend::{Backend, Job};
 use super::compare::{Differences, compare};
+use super::split::split;
 use crate::error::{self, Error};
 use crate::exec::Method;
 use crate::explore::{Expects, Prediction};
@@ -213,24 +214,14 @@ impl BandRun<'_> {
         if self.failure.is_some() {
             return;
         }
-        match self.draw(band) {
-            Ok((differences, by_compute, repeated)) => {
-                self.sum.add(&differences);
-                self.by_compute += by_compute;
-                self.repeated += repeated;
-            }
-            Err(failure @ (Failure::TooLarge(_) | Failure::OutOfMemory(_))) => {
-                match (band.halves(), failure) {
-                    (Some(halves), _) => halves.iter().for_each(|half| self.band(half)),
-                    (None, Failure::TooLarge(why)) => {
-                        let why = format!("one row of tiles has no room: {why}");
-                        self.failure = Some(Failure::Unsupported(why));
-                    }
-                    (None, failure) => self.failure = Some(failure),
-                }
-            }
-            Err(failure) => self.failure = Some(failure),
-        }
+        let drawn = split(band, &mut |band| {
+            let (differences, by_compute, repeated) = self.draw(band)?;
+            self.sum.add(&differences);
+            self.by_compute += by_compute;
+            self.repeated += repeated;
+            Ok(())
+        });
+        self.failure = drawn.err();
     }
 
     fn draw(&self, band: &Band<'_>) -> Result<(Differences, u64, u64)> {

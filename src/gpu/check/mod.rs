@@ -10,4 +10,5 @@ pub mod outcomes;
 pub mod pressure;
 pub mod race;
 mod seen;
+mod split;
 pub mod stress;

@@ -46,8 +46,10 @@ pub struct Band<'p> {
     pub rows: Range<usize>,
     /// The band as a grid.
     pub grid: Grid,
-    /// All fragments of every storage pixel, exact depth and triangle, sorted.
-    lists: Vec<Vec<u64>>,
+    /// All fragments of every storage pixel of a band that this one is a part of, exact depth and triangle, sorted.
+    whole: Rc<Vec<Vec<u64>>>,
+    /// Which of these pixels are its own.
+    own: Range<usize>,
     /// The answers given so far.
     answers: RefCell<Vec<(Question, Rc<Expected>)>>,
 }
@@ -56,12 +58,19 @@ impl<'p> Band<'p> {
     fn new(picture: &'p Picture, rows: Range<usize>) -> Self {
         let columns = picture.front.grid.columns() as usize;
         let tiles = rows.start * columns..rows.end * columns;
-        let lists = tiles
+        let lists: Vec<Vec<u64>> = tiles
             .into_par_iter()
             .map(|tile| exact::tile(&picture.front, tile, RECORD, None))
             .flatten_iter()
             .collect();
-        Self { picture, grid: grid(picture, &rows), rows, lists, answers: RefCell::default() }
+        let own = 0..lists.len();
+        let (whole, answers) = (Rc::new(lists), RefCell::default());
+        Self { picture, grid: grid(picture, &rows), rows, whole, own, answers }
+    }
+
+    /// All fragments of every storage pixel.
+    fn lists(&self) -> &[Vec<u64>] {
+        &self.whole[self.own.clone()]
     }
 
     /// Its first row of pixels.
@@ -80,7 +89,7 @@ impl<'p> Band<'p> {
     /// Fragments generated in it.
     #[must_use]
     pub fn fragments(&self) -> u64 {
-        self.lists.iter().map(|list| list.len() as u64).sum()
+        self.lists().iter().map(|list| list.len() as u64).sum()
     }
 
     /// Two halves, if it has more than one row of tiles.
@@ -92,16 +101,18 @@ impl<'p> Band<'p> {
         }
         let middle = self.rows.start + rows / 2;
         let first = rows / 2 * self.grid.columns() as usize * self.grid.pixels_per_tile();
-        let part = |rows: Range<usize>, lists: &[Vec<u64>]| Self {
+        let first = self.own.start + first;
+        let part = |rows: Range<usize>, own: Range<usize>| Self {
             picture: self.picture,
             grid: grid(self.picture, &rows),
             rows,
-            lists: lists.to_vec(),
+            whole: Rc::clone(&self.whole),
+            own,
             answers: RefCell::default(),
         };
         Some([
-            part(self.rows.start..middle, &self.lists[..first]),
-            part(middle..self.rows.end, &self.lists[first..]),
+            part(self.rows.start..middle, self.own.start..first),
+            part(middle..self.rows.end, first..self.own.end),
         ])
     }
 
@@ -110,12 +121,12 @@ impl<'p> Band<'p> {
     pub fn config(&self, contract: &Contract, k: Option<u32>) -> Config {
         let k = k.or(contract.default_k);
         let bound = k.filter(|_| contract.keeps == Keeps::Nearest).map(u64::from);
-        let counts = || self.lists.iter().map(|list| list.len() as u64);
+        let counts = || self.lists().iter().map(|list| list.len() as u64);
         let generated = counts().sum();
         let size = size_for_load(generated, DEFAULT_LOAD, [self.grid.width, self.grid.height]);
         Config {
             k,
-            pixels: self.lists.len() as u32,
+            pixels: self.lists().len() as u32,
             generated,
             max_depth_complexity: counts().max().unwrap_or(0) as u32,
             bounded: counts().map(|f| bound.map_or(f, |k| k.min(f))).sum(),
@@ -207,7 +218,7 @@ impl<'p> Band<'p> {
         let instance = method.instance(config);
         let instance = instance.as_deref();
         let inputs = instance.map_or_else(Inputs::default, |i| Inputs::defaults(i.layout()));
-        let counts = || self.lists.iter().map(|list| list.len() as u32).collect();
+        let counts = || self.lists().iter().map(|list| list.len() as u32).collect();
         let bound = bound(method, instance, question.k, &inputs, config.pixels, counts);
         let promise = Promise::new(method, instance, &inputs, bound);
         if contract.keeps.is_approximate() {
@@ -215,7 +226,7 @@ impl<'p> Band<'p> {
             return colored(method, config, fragments, &promise);
         }
         if contract.keeps != Keeps::Merged {
-            return kept(&self.lists, self.picture, contract, &promise, question);
+            return kept(self.lists(), self.picture, contract, &promise, question);
         }
         let columns = self.grid.columns() as usize;
         let tiles = self.rows.start * columns..self.rows.end * columns;

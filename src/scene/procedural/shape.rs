@@ -5,7 +5,26 @@ use std::f64::consts::TAU;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::super::{Mesh, ScreenTriangle};
+use super::{Key, Range};
 use crate::num::random::Random;
+
+/// In which order layers are drawn.
+pub(super) const ORDER: Key = Key {
+    name: "order",
+    default: "random",
+    range: Range::Choice(&["random", "front-to-back", "back-to-front"]),
+    about: "in which layers are drawn",
+};
+
+/// Put layers, given front to back, in one of these orders.
+pub(super) fn in_order<T>(order: &str, mut random: Random, mut layers: Vec<T>) -> Vec<T> {
+    match order {
+        "back-to-front" => layers.reverse(),
+        "front-to-back" => {}
+        _ => random.shuffle(&mut layers),
+    }
+    layers
+}
 
 /// The two triangles of a screen-aligned rectangle `[left, top, right, bottom]`, in pixels, at depth `z`.
 pub(super) fn rectangle(edges: [f64; 4], z: f64, color: [f32; 4]) -> [ScreenTriangle; 2] {

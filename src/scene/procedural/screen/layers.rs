@@ -3,7 +3,7 @@
 //! (With 8-bit data words, a is the opacity's byte over 255.)
 
 use super::super::super::Model;
-use super::super::shape::{layer_depth, rectangle};
+use super::super::shape::{ORDER, in_order, layer_depth, rectangle};
 use super::super::{Builtin, Key, Keys, Range};
 use crate::error::Result;
 use crate::num::random::Random;
@@ -21,6 +21,7 @@ pub(in crate::scene::procedural) const BUILTIN: Builtin = Builtin {
             range: Range::Color,
             about: "linear colour, 0..1; as r/g/b on the command line",
         },
+        ORDER,
         Key::SEED,
     ],
     generate,
@@ -30,8 +31,32 @@ fn generate(keys: &Keys<'_>, size: [u32; 2]) -> Result<Model> {
     let count = keys.count("count")?;
     let ([r, g, b], alpha) = (keys.color("color")?, keys.alpha()?);
     let [width, height] = size.map(f64::from);
-    let mut order: Vec<u32> = (0..count).collect();
-    Random::new(keys.seed()?, 1).shuffle(&mut order);
+    let random = Random::new(keys.seed()?, 1);
+    let order = in_order(keys.choice("order")?, random, (0..count).collect::<Vec<u32>>());
     let layer = |i| rectangle([0.0, 0.0, width, height], layer_depth(i, count), [r, g, b, alpha]);
     Ok(Model { screen: order.into_iter().flat_map(layer).collect(), ..Model::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::{generate, parse_keys};
+
+    #[test]
+    fn layers_come_in_the_order_that_is_asked_for() {
+        let depths = |order: &str| {
+            let keys = parse_keys("layers", &format!("count=9,order={order}")).unwrap();
+            let screen = generate("layers", &keys, [4, 4]).unwrap().screen;
+            screen.iter().step_by(2).map(|triangle| triangle.points[0][2]).collect::<Vec<_>>()
+        };
+        let front = depths("front-to-back");
+        assert!(front.len() == 9 && front.is_sorted() && front[0] < front[8]);
+        let mut back = depths("back-to-front");
+        assert_ne!(back, front);
+        back.reverse();
+        assert_eq!(back, front);
+        let mut random = depths("random");
+        assert!(random != front && random != back);
+        random.sort_by(f64::total_cmp);
+        assert_eq!(random, front);
+    }
 }
