@@ -19,6 +19,7 @@ fn help_exists_for_the_program_and_every_command() {
         "info",
         "compare",
         "inspect",
+        "export",
         "check",
         "replay",
         "claims",
