@@ -72,7 +72,8 @@
 //! checks that):
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
-//! `catalogue` → `effect` → `render` → `inspect` → `explore` → `gpu` → `report` → `reproduce` → `cli`
+//! `catalogue` → `effect` → `render` → `inspect` → `explore` → `gpu` → `report` →
+//! `golden` → `reproduce` → `cli`
 
 pub mod catalogue;
 pub mod cli;
@@ -81,6 +82,7 @@ pub mod error;
 pub mod exec;
 pub mod explore;
 pub mod fragment;
+pub mod golden;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod image;

@@ -19,6 +19,7 @@ fn help_exists_for_the_program_and_every_command() {
         "info",
         "compare",
         "inspect",
+        "export",
         "check",
         "replay",
         "claims",
@@ -73,7 +74,9 @@ fn shells_and_manuals_are_served() {
 
 #[test]
 fn options_have_a_default_or_say_that_they_have_none() {
-    for sub in fragloom::cli::command().get_subcommands() {
+    let definition = fragloom::cli::command();
+    let all = definition.get_subcommands();
+    for sub in all.flat_map(|sub| std::iter::once(sub).chain(sub.get_subcommands())) {
         for argument in sub.get_arguments().filter(|a| a.get_long().is_some()) {
             let help = argument.get_help().unwrap().to_string();
             let takes_value = argument.get_action().takes_values();

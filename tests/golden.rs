@@ -1,132 +1,46 @@
-//! Goldens as a text ledger: `tests/golden/ledger.txt` has one line per scene and options, which is a command line of
-//! `fragloom render` and what came out of it.
+//! Goldens: `tests/golden/golden.toml` says what `fragloom render` gives for many command lines.
 //!
-//! Each is drawn again by the real binary and must give the same. `FRAGLOOM_BLESS=1` rewrites the ledger instead, so
-//! that a change is reviewed as a diff; a new case is a line with `?` in place of its results. One ledger holds for
-//! every machine and for debug and release builds: run this test in both.
+//! Each is drawn again and must give the same, as `fragloom golden verify tests/golden` has it; with `--bless` that
+//! rewrites what differs, so that a change is reviewed as a diff. A new case is an entry with a name, a scene and
+//! options. One manifest holds for every machine and for debug and release builds: run this test in both.
 
-use std::fmt;
-use std::path::PathBuf;
-use std::process::Command;
+use std::fs;
+use std::path::Path;
 
-use serde_json::Value;
+use fragloom::catalogue::Catalogue;
+use fragloom::cli::CommandLine;
+use fragloom::golden::{Manifest, Report, Settings, Status, Work, table, verify};
 
-/// One line of the ledger.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Entry {
-    name: String,
-    /// `generated`, `kept`, `fragments_hash` and `image_hash`, as written.
-    results: [String; 4],
-    /// What follows `fragloom render`.
-    arguments: String,
+fn read(path: &Path) -> Manifest {
+    Manifest::read(path).expect("a manifest")
 }
 
-const FIELDS: [&str; 4] = ["generated", "kept", "fragments_hash", "image_hash"];
-
-impl Entry {
-    /// `None` for comments and empty lines.
-    fn parse(line: &str) -> Option<Self> {
-        let mut words = line.split_whitespace();
-        let name = words.next().filter(|word| !word.starts_with('#'))?.to_owned();
-        let results = FIELDS.map(|_| words.next().unwrap_or("?").to_owned());
-        Some(Self { name, results, arguments: words.collect::<Vec<_>>().join(" ") })
-    }
-
-    /// Draw it now.
-    fn drawn(&self) -> Self {
-        let report = report(&self.arguments);
-        let text = |field: &str| match &report[field] {
-            Value::String(text) => text.clone(),
-            number => number.to_string(),
-        };
-        Self { results: FIELDS.map(text), ..self.clone() }
-    }
-
-    /// One line per field that is not as written.
-    fn differences(&self, drawn: &Self) -> Vec<String> {
-        let fields = FIELDS.iter().zip(self.results.iter().zip(&drawn.results));
-        fields
-            .filter(|(_, (written, found))| written != found)
-            .map(|(field, (written, found))| {
-                format!("{} ({}): {field} is {found}, not {written}", self.name, self.arguments)
-            })
-            .collect()
-    }
+fn manifest() -> Manifest {
+    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden"))
 }
 
-impl fmt::Display for Entry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [generated, kept, fragments, image] = &self.results;
-        let Self { name, arguments, .. } = self;
-        write!(f, "{name:<24} {generated:>8} {kept:>8} {fragments} {image} {arguments}")
-    }
-}
-
-/// The JSON report of `fragloom render`, run in the project's folder.
-fn report(arguments: &str) -> Value {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fragloom"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["render", "--json", "-q"]);
-    let output = command.args(arguments.split(' ')).output().expect("the binary runs");
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "render {arguments}: {stderr}");
-    serde_json::from_slice(&output.stdout).expect("one JSON document")
-}
-
-fn path() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ledger.txt")
-}
-
-fn ledger() -> String {
-    std::fs::read_to_string(path()).expect("the ledger")
-}
-
-fn entries() -> Vec<Entry> {
-    ledger().lines().filter_map(Entry::parse).collect()
-}
-
-/// The ledger with the results of now.
-fn blessed(ledger: &str) -> String {
-    let line = |line: &str| match Entry::parse(line) {
-        Some(entry) => format!("{}\n", entry.drawn()),
-        None => format!("{line}\n"),
-    };
-    ledger.lines().map(line).collect()
+fn verified(manifest: &mut Manifest) -> Report {
+    let catalogue = Catalogue::built_in();
+    let draw = CommandLine { catalogue: &catalogue };
+    verify(manifest, &draw, &Settings::default(), &Work::SILENT).expect("nothing is written")
 }
 
 #[test]
-fn everything_is_as_the_ledger_says() {
-    if std::env::var_os("FRAGLOOM_BLESS").is_some_and(|value| value == "1") {
-        std::fs::write(path(), blessed(&ledger())).expect("the ledger can be written");
-        return;
-    }
-    let entries = entries();
-    assert!(entries.len() >= 16, "only {} entries", entries.len());
-    let wrong: Vec<_> =
-        entries.iter().flat_map(|entry| entry.differences(&entry.drawn())).collect();
-    assert!(wrong.is_empty(), "{}\n(FRAGLOOM_BLESS=1 rewrites the ledger)", wrong.join("\n"));
+fn everything_is_as_the_manifest_says() {
+    let mut manifest = manifest();
+    assert!(manifest.entries().len() >= 80, "only {} entries", manifest.entries().len());
+    let report = verified(&mut manifest);
+    assert!(report.is_clean(), "{}(fragloom golden verify tests/golden --bless)", table(&report));
 }
 
+/// Entries that must agree: for every executor, and for every method that keeps everything.
 #[test]
-fn the_ledger_is_in_its_own_form() {
-    let entries = entries();
-    for (entry, line) in entries.iter().zip(ledger().lines().filter(|l| Entry::parse(l).is_some()))
-    {
-        assert_eq!(entry.to_string(), line);
-        assert!(entry.results[2..].iter().all(|h| h.len() == 64 || h == "null"), "{line}");
-    }
-    let mut names: Vec<_> = entries.iter().map(|entry| &entry.name).collect();
-    names.sort();
-    names.dedup();
-    assert_eq!(names.len(), entries.len(), "names are unique");
-}
-
-/// Lines that say the same must agree: for every executor, and for every method that keeps everything.
-#[test]
-fn lines_that_must_agree_do() {
-    let entries = entries();
+fn entries_that_must_agree_do() {
+    let manifest = manifest();
     let results = |name: &str| {
-        let found = entries.iter().find(|entry| entry.name == name);
-        &found.unwrap_or_else(|| panic!("no {name}")).results
+        let results = manifest.entry(name).and_then(|entry| entry.results.clone());
+        let results = results.unwrap_or_else(|| panic!("no {name}"));
+        (results.kept, results.fragments_hash, results.image_hash)
     };
     for (one, other) in [
         ("cubes-exact", "cubes-ab-ll-sim"),
@@ -134,23 +48,47 @@ fn lines_that_must_agree_do() {
         ("glass-tile", "glass-threads"),
         ("bottles-k1", "bottles-z-buffer"),
     ] {
-        assert_eq!(results(one)[1..], results(other)[1..], "{one} and {other}");
+        assert_eq!(results(one), results(other), "{one} and {other}");
     }
 }
 
-/// Negative control: a change of any field of a line is reported, and so is a change of what is drawn.
+/// Negative control: a change of any line of an entry is reported.
 #[test]
-fn a_changed_line_is_reported() {
-    let entry = entries().swap_remove(0);
-    let drawn = entry.drawn();
-    assert_eq!(entry.differences(&drawn), Vec::<String>::new());
-    for (i, field) in FIELDS.iter().enumerate() {
-        let mut changed = entry.clone();
-        let last = changed.results[i].pop();
-        changed.results[i].push(if last == Some('0') { '1' } else { '0' });
-        let found = changed.differences(&drawn);
-        assert!(found.len() == 1 && found[0].contains(field), "{found:?}");
+fn a_changed_entry_is_reported() {
+    const ENTRY: &str = r#"format = 1
+[[entry]]
+name = "pixel"
+scene = "layers:count=16"
+options = ["--size", "1x1", "-m", "kplus-array", "-k", "3"]
+generated = 16
+kept = 3
+fragments_hash = "e6430f2a9f8860973fb5aee1d7d2fdd0c14e1342c1737bc6a6eb7b9498e8759b"
+image_hash = "734ac33c2538a2a3f971f937420ce8980c9c91c43f49e5ad1c94bc8b30ebc94f"
+program = "PROGRAM"
+"#;
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("golden.toml");
+    let entry = ENTRY.replace("PROGRAM", fragloom::golden::PROGRAM);
+    let outcome = |text: &str| {
+        fs::write(&path, text).expect("written");
+        verified(&mut read(&path)).outcomes.swap_remove(0)
+    };
+    assert_eq!(outcome(&entry).status, Status::Same);
+    for (field, old, new) in [
+        ("generated", "generated = 16", "generated = 17"),
+        ("kept", "kept = 3", "kept = 2"),
+        ("fragments_hash", "e643", "e644"),
+        ("image_hash", "734a", "734b"),
+    ] {
+        let changed = outcome(&entry.replace(old, new));
+        assert_eq!(
+            (changed.status, &changed.results[..]),
+            (Status::Different, &[field.to_owned()][..])
+        );
     }
-    let other = Entry { arguments: format!("{} --alpha 0.125", entry.arguments), ..entry.clone() };
-    assert!(!entry.differences(&other.drawn()).is_empty());
+    for (old, new) in
+        [("count=16", "count=15"), ("\"3\"", "\"2\""), ("kplus-array\", \"-k", "ab-ll\", \"-k")]
+    {
+        assert!(!outcome(&entry.replace(old, new)).status.is_clean(), "{new}");
+    }
 }

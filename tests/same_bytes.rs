@@ -1,6 +1,6 @@
 //! The same bytes over {1, 2, 5 threads} x {tile 16, 64} x {tile, threads, sim with 6 policies}, wherever the contract
-//! says that no schedule shows. Debug and release are compared by running this suite in both: the ledger
-//! (`tests/golden.rs`) is the same for both.
+//! says that no schedule shows. Debug and release are compared by running this suite in both: the golden
+//! hashes (`tests/golden.rs`) are the same for both.
 
 mod support;
 

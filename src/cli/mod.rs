@@ -3,12 +3,13 @@
 //!
 //! A module uses only modules that come before it in this order:
 //!
-//! `options` → `terminal` → `list` → `verify` → `draw`
+//! `options` → `terminal` → `list` → `verify` → `draw` → `golden`
 //!
 //! Exit codes: 0, done and nothing wrong; 1, a difference or a violation was found; 2, an error. Results go to
 //! stdout, everything else to stderr, one line each.
 
 mod draw;
+mod golden;
 mod list;
 mod options;
 mod terminal;
@@ -22,7 +23,8 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::catalogue::{Catalogue, nearest};
 use crate::error::Result;
-use draw::{bench, compare, inspect, render};
+use draw::{bench, compare, export, inspect, render};
+pub use golden::CommandLine;
 #[cfg(feature = "gpu")]
 use list::adapters;
 use list::{claims, completions, info, man, methods, mutations, scenes};
@@ -50,12 +52,16 @@ enum Command {
     Compare(Box<compare::Args>),
     /// Draw a scene with some methods and show one pixel: its fragments, what became of each, and the absorbance.
     Inspect(Box<inspect::Args>),
+    /// Write a scene as glTF for other renderers, with what they should draw, and where they may differ.
+    Export(Box<export::Args>),
     /// Explore interleavings; say what is verified, violated or unknown.
     Check(Box<check::Args>),
     /// Replay a failing schedule.
     Replay(replay::Args),
     /// Time methods by phase, next to the same schemes on GPUs and Vulkan drivers.
     Bench(Box<bench::Args>),
+    /// Pictures that must not change: record them, draw them again, and say what changed.
+    Golden(golden::Args),
     /// Run the same schemes on GPUs and Vulkan drivers, and compare bit for bit.
     #[cfg(feature = "gpu")]
     Crosscheck(Box<crosscheck::Args>),
@@ -116,9 +122,11 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(catalogue, args),
         Command::Inspect(args) => inspect::run(catalogue, args),
+        Command::Export(args) => export::run(args),
         Command::Check(args) => check::run(catalogue, args),
         Command::Replay(args) => replay::run(catalogue, args),
         Command::Bench(args) => bench::run(catalogue, args),
+        Command::Golden(args) => golden::run(catalogue, args),
         #[cfg(feature = "gpu")]
         Command::Crosscheck(args) => crosscheck::run(catalogue, args),
         #[cfg(feature = "gpu")]
@@ -164,11 +172,24 @@ fn unknown_command(error: &clap::Error) -> Option<String> {
         return None;
     };
     let definition = command();
-    let mut names: Vec<&str> = definition.get_subcommands().map(clap::Command::get_name).collect();
-    names.push("help");
-    let right = match nearest(typed, &names) {
+    let mut names: Vec<String> = vec!["help".to_owned()];
+    // What is under a command is told with it.
+    let mut below: Vec<String> = Vec::new();
+    for sub in definition.get_subcommands() {
+        names.push(sub.get_name().to_owned());
+        let own = |below: &clap::Command| format!("{} {}", sub.get_name(), below.get_name());
+        below.extend(sub.get_subcommands().map(own));
+    }
+    let last = |name: &String| name.rsplit(' ').next().unwrap_or_default().to_owned();
+    let ends: Vec<String> = names.iter().chain(&below).map(last).collect();
+    let ends: Vec<&str> = ends.iter().map(String::as_str).collect();
+    let place = nearest(typed, &ends).and_then(|near| ends.iter().position(|end| *end == near));
+    let right = match place.and_then(|place| names.iter().chain(&below).nth(place)) {
         Some(name) => format!("; did you mean {name}?"),
-        None => format!(". The commands are {}", names.join(", ")),
+        None => {
+            names.rotate_left(1);
+            format!(". The commands are {}", names.join(", "))
+        }
     };
     Some(format!("unknown command {typed:?}{right} (see --help)"))
 }
@@ -201,7 +222,9 @@ mod tests {
 
     #[test]
     fn every_argument_has_a_help_text() {
-        for sub in command().get_subcommands() {
+        let definition = command();
+        let all = definition.get_subcommands();
+        for sub in all.flat_map(|sub| std::iter::once(sub).chain(sub.get_subcommands())) {
             assert!(sub.get_about().is_some(), "{}", sub.get_name());
             for argument in sub.get_arguments() {
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
@@ -221,6 +244,7 @@ mod tests {
             ("chek", "check"),
             ("hlep", "help"),
             ("completion", "completions"),
+            ("recrod", "golden record"),
         ] {
             let expected =
                 format!("unknown command \"{typed}\"; did you mean {meant}? (see --help)");

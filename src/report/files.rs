@@ -130,11 +130,55 @@ where
         fill(&mut writer)?;
         return writer.flush();
     }
+    let Staged { file, path } = stage(path, fill)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// A file that is written whole beside its place, and not there yet. Dropped, it leaves nothing behind.
+#[derive(Debug)]
+pub struct Staged {
+    file: NamedTempFile,
+    path: PathBuf,
+}
+
+impl Staged {
+    /// Write these bytes for `path`, making its folder if there is none. A link is followed.
+    ///
+    /// # Errors
+    /// The path and the operating system's reason.
+    pub fn new(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let wrong = |error: io::Error| Error::new(path.display().to_string(), error.to_string());
+        let target = followed(path);
+        let target =
+            if target.exists() { fs::canonicalize(target).map_err(wrong)? } else { target };
+        let staged = stage(target, |file| file.write_all(bytes)).map_err(wrong)?;
+        staged.file.as_file().sync_data().map_err(wrong)?;
+        Ok(staged)
+    }
+
+    /// Put it in its place at once.
+    ///
+    /// # Errors
+    /// The path and the operating system's reason; what was there stays.
+    pub fn commit(self) -> Result<()> {
+        let Self { file, path } = self;
+        let wrong = |error: io::Error| Error::new(path.display().to_string(), error.to_string());
+        file.persist(&path).map_err(|error| wrong(error.error))?;
+        Ok(())
+    }
+}
+
+/// Write what will be at `path`, which is no link.
+fn stage<F>(path: PathBuf, fill: F) -> io::Result<Staged>
+where
+    F: FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+{
     if !folder(&path).exists() {
         fs::create_dir_all(folder(&path))?;
     }
     let mut file = temporary(folder(&path))?;
-    if let Some(there) = there {
+    if let Ok(there) = fs::metadata(&path) {
         file.as_file().set_permissions(there.permissions())?;
     }
     let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
@@ -142,8 +186,7 @@ where
     writer.flush()?;
     drop(writer);
     file.as_file_mut().rewind()?;
-    file.persist(&path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(Staged { file, path })
 }
 
 /// A temporary file with an ordinary file's permissions: tempfile's own are private to the user.

@@ -2,6 +2,7 @@
 
 pub mod contents;
 pub mod errors;
+pub mod expected;
 pub mod files;
 pub mod grid;
 pub mod inspection;

@@ -9,6 +9,7 @@ mod bounds;
 mod camera;
 pub mod check;
 mod draft;
+pub mod export;
 pub mod file;
 pub mod gltf;
 mod load;

@@ -2,6 +2,7 @@
 
 pub(super) mod bench;
 pub(super) mod compare;
+pub(super) mod export;
 mod frames;
 pub(super) mod inspect;
 mod picture;

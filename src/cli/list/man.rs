@@ -47,7 +47,9 @@ fn pages(definition: clap::Command) -> Result<Vec<Page>> {
     definition.build();
     let version = definition.get_version().unwrap_or_default();
     let source = format!("{} {version}", definition.get_name());
-    let commands = std::iter::once(&definition).chain(definition.get_subcommands());
+    let below = definition.get_subcommands();
+    let below = below.flat_map(|command| std::iter::once(command).chain(command.get_subcommands()));
+    let commands = std::iter::once(&definition).chain(below);
     let page = |command: &clap::Command| {
         let page = Man::new(command.clone()).source(&source);
         let mut text = Vec::new();
@@ -68,7 +70,12 @@ mod tests {
         let definition = crate::cli::command();
         let subs = definition.get_subcommands();
         let expected: Vec<String> = std::iter::once("fragloom.1".to_owned())
-            .chain(subs.map(|sub| format!("fragloom-{}.1", sub.get_name())))
+            .chain(subs.flat_map(|sub| {
+                let own = format!("fragloom-{}", sub.get_name());
+                let below =
+                    sub.get_subcommands().map(|below| format!("{own}-{}.1", below.get_name()));
+                std::iter::once(format!("{own}.1")).chain(below.collect::<Vec<_>>())
+            }))
             .collect();
         assert_eq!(names, expected);
         let text = |name: &str| {
@@ -79,6 +86,7 @@ mod tests {
         assert!(text("fragloom.1").contains("fragloom-render(1)"));
         assert!(text("fragloom.1").contains("Exit codes: 0"));
         assert!(text("fragloom-render.1").contains("--transparent"));
+        assert!(text("fragloom-golden-verify.1").contains("--bless"));
         assert!(text("fragloom-render.1").starts_with(".ie"), "{}", text("fragloom-render.1"));
         for page in &pages {
             let text = text(&page.name);

@@ -1,11 +1,11 @@
-//! A progress spinner during long work.
+//! A progress spinner or bar during long work.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -30,4 +30,35 @@ pub(in crate::cli) fn during<T>(quiet: bool, message: &str, work: impl FnOnce() 
         let _working = working;
         work()
     })
+}
+
+/// Do `work` on `count` things, telling what it gets after each; if it takes over a second, a bar on stderr shows how
+/// many are done, unless `quiet` or without a terminal.
+pub(in crate::cli) fn counting<T>(
+    quiet: bool,
+    message: &str,
+    count: usize,
+    work: impl FnOnce(&dyn Fn()) -> T,
+) -> T {
+    if quiet || !stderr().is_terminal() {
+        return work(&|| {});
+    }
+    let bar = ProgressBar::hidden().with_message(message.to_owned());
+    bar.set_length(count as u64);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}") {
+        bar.set_style(style);
+    }
+    let (working, ended) = channel::<()>();
+    let shown = bar.clone();
+    let found = thread::scope(|scope| {
+        scope.spawn(move || {
+            if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                shown.set_draw_target(ProgressDrawTarget::stderr());
+            }
+        });
+        let _working = working;
+        work(&|| bar.inc(1))
+    });
+    bar.finish_and_clear();
+    found
 }

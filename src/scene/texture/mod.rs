@@ -101,6 +101,11 @@ impl Picture {
         Some(Self { image, checksum })
     }
 
+    /// The texels.
+    pub(super) fn image(&self) -> &Image {
+        &self.image
+    }
+
     /// How many texels it has.
     pub(super) fn texels(&self) -> usize {
         self.image.pixels.len()
