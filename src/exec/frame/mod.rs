@@ -1,4 +1,4 @@
-//! The results of executors: tiles of resolved pixels ([`finish`]), joined into lists and an image ([`join`]).
+//! The results of executors: tiles of resolved pixels ([`finish`]), joined into lists and an image (`join`).
 
 pub mod finish;
 mod join;
