@@ -175,7 +175,10 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         threads,
         opaque: options.table.opaque(),
         culling: bounds.unwrap_or_default(),
-        picture_only: wanted == Wanted::Picture && method.holds() == HeldKind::Fragments,
+        picture_only: wanted == Wanted::Picture
+            && method.holds() == HeldKind::Fragments
+            && !contract.is_racy()
+            && !contract.is_judged(),
         kit,
     };
     limits::kept(options, &job, wanted)?;

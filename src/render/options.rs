@@ -32,7 +32,8 @@ pub enum Wanted {
     Lists,
     /// The hash alone: 8 bytes a fragment, by tile.
     Hash,
-    /// Nothing: lists are needed for the tiles in work alone. What a racy method lost is then known only as a number.
+    /// Nothing: lists are needed for the tiles in work alone, unless the accounting compares them with the exact ones,
+    /// as for racy methods.
     Picture,
 }
 
