@@ -127,11 +127,8 @@ fn rows_have_their_fields() {
         {
             assert!(number(row, field) > 0.0, "{field}: {row}");
         }
-        let seconds = number(row, "limit_seconds");
-        assert!(
-            seconds >= number(&row["seconds"], "emit") && number(row, "limit_ratio") > 0.0,
-            "{row}"
-        );
+        // The limit counts the fastest emission, and seconds are medians.
+        assert!(number(row, "limit_seconds") > 0.0 && number(row, "limit_ratio") > 0.0, "{row}");
         assert!(
             ["emit", "atomics", "cache", "memory"].map(Some).contains(&row["limit_by"].as_str())
         );
