@@ -10,7 +10,7 @@ use crate::cli::options::settings::{Settings, complete};
 use crate::cli::{lenient, one_line};
 use crate::error::{Error, Result};
 use crate::golden::{Asked, Draw, Drawn};
-use crate::render::{Exec, Options, Report, render};
+use crate::render::{Exec, Options, Report, Wanted, render};
 use crate::scene::{self, FileFormat};
 
 /// Draws what stands in a manifest, with the methods of a catalogue.
@@ -95,6 +95,7 @@ impl Line {
         let mut settings = complete(drawing, method, false)?;
         effects.complete(drawing.data, &mut settings.options)?;
         settings.options.transparent = *transparent;
+        settings.options.wanted = Wanted::Hash;
         Ok(settings)
     }
 }

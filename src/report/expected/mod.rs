@@ -93,7 +93,7 @@ pub struct Tolerances {
     pub channel: u8,
     /// Pixels; see `edges`.
     pub edge_distance: f64,
-    /// Pixels whose centre is at most `edge_distance` from an edge: as rows, [y, first x, one past the last x].
+    /// Pixels whose centre is at most `edge_distance` from an edge: as rows, `[y, first x, one past the last x]`.
     pub edges: Vec<[u32; 3]>,
     /// Depth, 0..1; see `ties`.
     pub depth_distance: f64,
