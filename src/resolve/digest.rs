@@ -71,7 +71,8 @@ impl Stream {
         hex(&self.hasher.finalize())
     }
 
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "most calls bring a few words")]
     fn words<const N: usize>(&mut self, words: &[u64], bytes: impl Fn(u64) -> [u8; N]) {
         for some in words.chunks(CHUNK / N) {
             if self.chunk.len() + N * some.len() > CHUNK {

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Column, Frame, TileOutput};
+use crate::fragment::BLOCK;
 use crate::image::Image;
 use crate::raster::Grid;
 use crate::resolve::digest::Stream;
@@ -73,30 +74,31 @@ impl Frame {
             return None;
         }
         let starts: Vec<Vec<u32>> = self.tiles.iter().map(starts).collect();
-        let columns = grid.columns() as usize;
-        let each = |visit: &mut dyn FnMut(&[u64])| {
-            for (tiles, (starts, y0)) in self
-                .tiles
-                .chunks(columns)
-                .zip(starts.chunks(columns).zip((0..).step_by(grid.tile as usize)))
+        // The pixels of a line in a block lie side by side in storage, and so do their fragments.
+        let each = |visit: &mut dyn FnMut(&[u32], &[u64])| {
+            for (y, x) in (0..grid.height)
+                .flat_map(|y| (0..grid.width).step_by(BLOCK as usize).map(move |x| (y, x)))
             {
-                let rows = grid.tile.min(grid.height - y0);
-                for i in 0..(rows * grid.width) as usize {
-                    let (tile, local) = place(grid, i);
-                    let (start, count) = (starts[tile][local], tiles[tile].counts[local]);
-                    visit(&tiles[tile].column.keys()[start as usize..(start + count) as usize]);
-                }
+                let tile = (y / grid.tile * grid.columns() + x / grid.tile) as usize;
+                let first = grid.local_pixel(x, y) as usize;
+                let last = first + (grid.width - x).min(BLOCK) as usize - 1;
+                let TileOutput { counts, column, .. } = &self.tiles[tile];
+                let ends =
+                    starts[tile][first] as usize..(starts[tile][last] + counts[last]) as usize;
+                visit(&counts[first..=last], &column.keys()[ends]);
             }
         };
         let mut stream = Stream::new(grid.width, grid.height);
         let mut end = 0;
         stream.offsets(&[0]);
-        each(&mut |keys| {
-            end += keys.len() as u64;
-            stream.offsets(&[end]);
+        each(&mut |counts, _| {
+            for &count in counts {
+                end += u64::from(count);
+                stream.offsets(&[end]);
+            }
         });
-        each(&mut |keys| stream.depths(keys));
-        each(&mut |keys| stream.data(keys));
+        each(&mut |_, keys| stream.depths(keys));
+        each(&mut |_, keys| stream.data(keys));
         Some(stream.finish())
     }
 }
