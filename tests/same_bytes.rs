@@ -187,6 +187,27 @@ fn less_may_be_wanted() {
     assert!(gone >= 20, "{gone} methods keep fragments");
 }
 
+/// Whether operations are counted does not show. Where they are not, passes that only count fragments are run by whole
+/// counts (`Scheme::counts`), on `tile` alone: `threads` runs them fragment by fragment in any case.
+#[test]
+fn counting_operations_does_not_show() {
+    let catalogue = Catalogue::built_in();
+    for contract in
+        catalogue.contracts().filter(|c| c.order_independent() && c.form == Form::Correct)
+    {
+        let scene = scene("bottles:columns=2,rows=2,levels=1,sides=12", [75, 41]);
+        let base = Options { tile: 16, ..options(contract.name, contract.default_k.map(|_| 3)) };
+        let counted = draw(&scene, &base);
+        for exec in [Exec::Tile, Exec::Threads] {
+            let plain = draw(&scene, &Options { counters: false, exec, ..base.clone() });
+            assert_eq!(plain.kept, counted.kept, "{}", contract.name);
+            assert_eq!(plain.image, counted.image, "{}", contract.name);
+            assert_eq!(plain.report.violations, counted.report.violations, "{}", contract.name);
+            assert!(plain.report.counters.is_empty());
+        }
+    }
+}
+
 /// An effect gets the lists that it needs, whatever is wanted.
 #[test]
 fn effects_have_their_lists() {

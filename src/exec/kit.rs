@@ -3,7 +3,9 @@
 use std::sync::Mutex;
 
 use super::frame::TileOutput;
+use crate::memory::Layout;
 use crate::memory::arena::{Owned, Shared};
+use crate::memory::layout::Sizes;
 use crate::memory::reuse::Reuse;
 
 /// Storage and room that are not in use. By default nothing is kept, since no other frame follows.
@@ -13,6 +15,8 @@ pub struct Kit {
     keeps: bool,
     /// Words of memory.
     pub memory: Reuse,
+    /// Of the frame before, how large records are and how many pixels have them.
+    sizes: Mutex<Option<([Sizes; 2], usize)>>,
     /// Results that were consumed, by tile.
     tiles: Mutex<Vec<TileOutput>>,
 }
@@ -22,6 +26,18 @@ impl Kit {
     #[must_use]
     pub fn of_several() -> Self {
         Self { keeps: true, ..Self::default() }
+    }
+
+    /// A frame begins. If its words are of other sizes than those of the frame before, that frame's are given back, so
+    /// that storage of no more than one frame is kept.
+    pub fn begin(&self, layout: &Layout, pixels: usize) {
+        let own = Some(([layout.per_pixel(), layout.per_frame()], pixels));
+        if let Ok(mut sizes) = self.sizes.lock()
+            && *sizes != own
+        {
+            *sizes = own;
+            self.memory.forget();
+        }
     }
 
     /// Keep words that many threads shared.

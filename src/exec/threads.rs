@@ -59,6 +59,7 @@ fn frame<O: Observer + Default>(
     job: &Job<'_>,
 ) -> Frame {
     let (grid, program) = (&job.front.grid, &job.contract.program);
+    job.kit.begin(layout, grid.storage_pixels());
     let pixel = job.kit.memory.shared(layout.per_pixel(), grid.storage_pixels());
     let global = job.kit.memory.shared(layout.per_frame(), 1);
     let counters = Mutex::new(Counters::default());

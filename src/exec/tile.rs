@@ -51,6 +51,7 @@ fn frame<O: Observer + Default + Send>(
     layout: &Layout,
     job: &Job<'_>,
 ) -> Frame {
+    job.kit.begin(layout, job.front.grid.storage_pixels());
     let global = job.kit.memory.shared(layout.per_frame(), 1);
     let tiles = Tiles { scheme, layout, global: &global, job };
     let cleared = tiles.on_frame(|mem| scheme.clear_frame(mem));

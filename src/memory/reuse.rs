@@ -47,7 +47,7 @@ impl Reuse {
         }
     }
 
-    /// Keep storage for the next frame. What no frame takes is given back with the next call of [`Reuse::forget`].
+    /// Keep storage for the next frame.
     pub fn keep_shared(&self, shared: Shared) {
         keep(&self.shared, shared);
     }
