@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use fragloom::fragment::sort::Sort;
 use fragloom::num::random::Random;
-use fragloom::resolve::sort::Sort;
 
 /// Lists of each length.
 const LISTS: usize = 2_000;

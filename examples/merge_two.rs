@@ -90,7 +90,7 @@ impl Scheme for MergeTwo {
             node = mem.plain_load(self.lists.link(node)).await;
         }
         keys.sort_unstable();
-        *records = merged(&keys);
+        records.append(&merged(&keys));
     }
 
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {

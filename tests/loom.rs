@@ -14,10 +14,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fragloom::exec::drive::{Pipeline, complete};
+use fragloom::fragment::sort;
 use fragloom::fragment::{Data, Fragment};
 use fragloom::memory::{Access, Layout, Memory, Order, Pixel, Plain, Words};
 use fragloom::raster::Grid;
-use fragloom::resolve::sort;
 use fragloom::scheme::a_buffer::ab_array::{AbArray, AtomicAdd, LoadStore};
 use fragloom::scheme::a_buffer::ab_ll::{AbLinkedList, PlainHead, PublishedFirst};
 use fragloom::scheme::a_buffer::ab_ll_paged::AbPagedList;

@@ -15,7 +15,7 @@ use std::task::{Context, Poll, Waker};
 use crate::memory::{Memory, Order};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
-use crate::scheme::{Held, Holds, Outcome, Readback, Scheme};
+use crate::scheme::{Held, HeldKind, Holds, Outcome, Readback, Scheme};
 
 /// The outcomes of a batch, a byte for each fragment at its bit.
 #[derive(Clone, Debug)]
@@ -73,6 +73,26 @@ impl Outcomes {
     }
 }
 
+/// Where the lists of pixels end that lie one after another.
+#[derive(Clone, Debug, Default)]
+pub struct Ends {
+    /// In entries, for each pixel.
+    pub entries: Vec<u32>,
+    /// Fragments that resolve merged into others, of all pixels so far; empty if none ever is.
+    pub merged: Vec<u32>,
+}
+
+impl Ends {
+    /// Another pixel, after which so many entries are held.
+    #[inline]
+    pub fn push<H: Holds>(&mut self, held: &H) {
+        self.entries.push(held.entries() as u32);
+        if H::KIND == HeldKind::Records {
+            self.merged.push(held.merged());
+        }
+    }
+}
+
 /// A scheme on one kind of memory, without its type.
 pub trait Pipeline<M>: Sync {
     /// Clear the frame's own words.
@@ -102,7 +122,7 @@ pub trait Pipeline<M>: Sync {
         mem: &M,
         pixels: Range<u32>,
         held: &mut Held,
-        ends: Option<&mut Vec<u32>>,
+        ends: Option<&mut Ends>,
     ) -> bool;
     /// Add what a pixel holds to `held`. Returns whether it needs another round.
     fn resolve(&self, mem: &M, pixel: u32, held: &mut Held) -> bool {
@@ -178,7 +198,7 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         mem: &M,
         pixels: Range<u32>,
         held: &mut Held,
-        mut ends: Option<&mut Vec<u32>>,
+        mut ends: Option<&mut Ends>,
     ) -> bool {
         let mut again = false;
         let holds = S::Holds::of(held);
@@ -186,7 +206,7 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
             // The only call, so that it is part of this loop and its state stays in registers.
             complete(Scheme::resolve(self, mem, pixel, holds));
             if let Some(ends) = &mut ends {
-                ends.push(holds.entries() as u32);
+                ends.push(holds);
             }
             again |= S::CONTRACT.program.repeats && complete(Scheme::again(self, mem, pixel));
         }

@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::task::{Context, Poll, Waker};
 
-use super::drive::{Outcomes, Pipeline, complete};
+use super::drive::{Ends, Outcomes, Pipeline, complete};
 use super::method::Instance;
 use super::sim::turns::{Stepped, Stores};
 use crate::error::Result;
@@ -111,7 +111,7 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
         mem: &M,
         pixels: Range<u32>,
         held: &mut Held,
-        mut ends: Option<&mut Vec<u32>>,
+        mut ends: Option<&mut Ends>,
     ) -> bool {
         let mut any = false;
         for pixel in pixels {
@@ -121,7 +121,11 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
                 any |= again;
             }
             if let Some(ends) = &mut ends {
-                ends.push(held.len() as u32);
+                match &*held {
+                    Held::Keys(keys) => ends.push(keys),
+                    Held::Records(records) => ends.push(records),
+                    Held::Light(_) | Held::Depth(_) => {}
+                }
             }
         }
         any

@@ -30,9 +30,9 @@ pub mod table;
 pub mod threads;
 pub mod tile;
 
+use crate::fragment::sort::Sort;
 use crate::memory::Inputs;
 use crate::raster::{Batch, FrontEnd, Record};
-use crate::resolve::sort::Sort;
 use crate::scheme::bound::Bound;
 use crate::scheme::course::Course;
 use crate::scheme::program::PassKind;

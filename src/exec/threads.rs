@@ -116,7 +116,7 @@ fn frame<O: Observer + Default>(
             return collected_tile(collected, &counts, finisher, &none);
         }
         shared.with(|mem: Native<'_, O>| {
-            resolve_tile(scheme, &mem, pixels(tile).start, &counts, finisher, &none)
+            resolve_tile(scheme, &mem, pixels(tile).start, counts, finisher, &none)
         })
     };
     let mut parts: Vec<&mut [Held]> = collected.chunks_mut(tile_pixels as usize).collect();

@@ -337,9 +337,9 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
 
     fn finish(&self, tile: &mut Tile<O>, rounds: u32) -> (TileOutput, Counters) {
         let finisher = Finisher::new(self.job, tile.index);
-        let (counts, reports) = (&tile.counts.of_pixels(), &tile.reports);
+        let (counts, reports) = (tile.counts.of_pixels(), &tile.reports);
         let output = if self.job.contract.program.repeats {
-            collected_tile(&mut tile.collected, counts, finisher, reports)
+            collected_tile(&tile.collected, &counts, finisher, reports)
         } else {
             let (mem, first) = (self.memory(tile), self.first(tile));
             resolve_tile(self.scheme, &mem, first, counts, finisher, reports)

@@ -32,9 +32,8 @@ impl FrontEnd {
             None => batch.extras.fill(if self.is_numbered() { primitive.triangle } else { 0 }),
             Some(near) => {
                 let extras = batch.extras.lanes();
-                for i in bits(mask).map(|bit| bit as usize) {
-                    extras[i] = format.encode(near.code(batch.depths[i]));
-                }
+                near.codes(mask, &batch.depths, extras);
+                format.encode_all(extras);
             }
         }
         format.encode_all(&mut batch.depths);

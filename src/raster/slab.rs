@@ -3,6 +3,7 @@
 //! A multiple of the depth precision is a constant number of codes: P(z) is what 2^-24 of the depth range is at z, and
 //! a code is 2^-32 of it. World units are subtracted from the distance; the near plane is as near as a slab gets.
 
+use super::batch::bits;
 use crate::num::depth::{self, Format};
 use crate::num::planes::Planes;
 use crate::scene::{Scene, Thickness};
@@ -69,6 +70,22 @@ pub(super) struct Near {
 }
 
 impl Near {
+    /// The near ends of the slabs whose far ends have those codes, by the bits of a mask. What is not set is arbitrary.
+    pub(super) fn codes(self, mask: u64, codes: &[u32; 64], nears: &mut [u32; 64]) {
+        match self.span {
+            Span::Codes(thick) => {
+                for (near, code) in nears.iter_mut().zip(codes) {
+                    *near = code.saturating_sub(thick);
+                }
+            }
+            Span::World(_) => {
+                for i in bits(mask).map(|bit| bit as usize) {
+                    nears[i] = self.code(codes[i]);
+                }
+            }
+        }
+    }
+
     /// The near end of the slab whose far end has that code.
     #[inline]
     #[must_use]

@@ -21,7 +21,7 @@ use super::no_lists;
 use super::table::TableOptions;
 
 pub use crate::exec::sim::policy::Policy;
-pub use crate::resolve::sort::Sort;
+pub use crate::fragment::sort::Sort;
 
 /// What is wanted of the fragments that pixels keep. Less takes less memory and time; merged records, colours and depths
 /// are always at hand.

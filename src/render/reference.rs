@@ -120,7 +120,7 @@ fn kept(
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         match promise.pixel(grid.pixel(x, y), &generated(x, y))? {
             Held::Keys(list) => keys.extend(list),
-            Held::Records(list) => records.extend(list.list),
+            Held::Records(list) => records.extend(list.into_list()),
             Held::Light(light) => lights.push(light),
             Held::Depth(depth) => depths.push(depth),
         }

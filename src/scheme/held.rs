@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use super::record::{Record, Records, compared_by_bits};
+use super::record::{Record, compared_by_bits};
+use super::records::Records;
 use crate::num::ray::Ray;
 
 /// Fragments as keys (depth in the upper half, data in the lower), in any order.
@@ -125,10 +126,13 @@ pub trait Holds: Default + Send {
 
     /// How many entries it has, if it is a list.
     fn entries(&self) -> usize;
+
+    /// Fragments that resolve merged into others.
+    fn merged(&self) -> u32;
 }
 
 macro_rules! holds {
-    ($($type:ty: $variant:ident, $kind:ident, $entries:expr;)*) => {$(
+    ($($type:ty: $variant:ident, $kind:ident, $entries:expr, $merged:expr;)*) => {$(
         impl Holds for $type {
             const KIND: HeldKind = HeldKind::$kind;
 
@@ -152,15 +156,21 @@ macro_rules! holds {
                 let entries: fn(&Self) -> usize = $entries;
                 entries(self)
             }
+
+            #[inline]
+            fn merged(&self) -> u32 {
+                let merged: fn(&Self) -> u32 = $merged;
+                merged(self)
+            }
         }
     )*};
 }
 
 holds! {
-    Keys: Keys, Fragments, Vec::len;
-    Records: Records, Records, Records::len;
-    Light: Light, Color, |_| 0;
-    Depth: Depth, Depth, |_| 0;
+    Keys: Keys, Fragments, Vec::len, |_| 0;
+    Records: Records, Records, Records::len, |records| records.merged;
+    Light: Light, Color, |_| 0, |_| 0;
+    Depth: Depth, Depth, |_| 0, |_| 0;
 }
 
 impl Held {
@@ -194,7 +204,7 @@ impl Held {
                 std::mem::swap(keys, &mut more);
             }
             (Self::Keys(keys), Self::Keys(mut more)) => keys.append(&mut more),
-            (Self::Records(records), Self::Records(more)) => records.append(more),
+            (Self::Records(records), Self::Records(more)) => records.append(&more),
             (own, other) => *own = other,
         }
     }

@@ -33,13 +33,15 @@ pub mod parts;
 pub mod peeling;
 pub mod program;
 pub mod record;
+pub mod records;
 pub mod task;
 
 use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
 pub use held::{Depth, Held, HeldKind, Holds, Keys, Light};
-pub use record::{Record, Records, Scale, Single, Whole};
+pub use record::{Record, Scale, Single, Whole};
+pub use records::Records;
 
 use crate::fragment::Fragment;
 use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Pixel, Snapshot, Words};

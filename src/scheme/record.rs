@@ -1,5 +1,4 @@
-//! Merged records: what one fragment, or several, contribute along the ray. What nothing was merged with is kept in few
-//! bytes, and spelt out where somebody looks at it.
+//! Merged records: what one fragment, or several, contribute along the ray.
 
 use std::cmp::Ordering;
 
@@ -49,81 +48,6 @@ pub trait Single: Copy + Ord {
     fn record(self, scale: Scale) -> Record {
         let thickness = scale.between(self.near(), depth_of(self.key()));
         Record { thickness, ..Record::of_key(self.key()) }
-    }
-}
-
-/// A pixel's merged records.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Records {
-    /// In any order.
-    pub list: Vec<Record>,
-    /// More of them, in any order: surfaces of one fragment each, as keys with colour words. They are cheaper to sort,
-    /// to composite and to keep.
-    pub surfaces: Vec<u64>,
-    /// More of them, in any order: what is one fragment and no surface.
-    pub wholes: Vec<Whole>,
-    /// How thick those are.
-    pub scale: Scale,
-    /// Fragments that went into another record during resolve: those that no store invocation has reported as
-    /// [`Outcome::Merged`](super::Outcome).
-    pub merged: u32,
-}
-
-impl Records {
-    /// Records of a list alone.
-    #[must_use]
-    pub fn of(list: Vec<Record>, merged: u32) -> Self {
-        Self { list, merged, ..Self::default() }
-    }
-
-    /// Let all that are one fragment be of one kind.
-    pub fn unite(&mut self) {
-        self.wholes.extend(self.surfaces.drain(..).map(Whole::surface));
-    }
-
-    /// Forget all of them, and keep the capacity.
-    pub fn clear(&mut self) {
-        self.list.clear();
-        self.surfaces.clear();
-        self.wholes.clear();
-        self.merged = 0;
-    }
-
-    /// Add others.
-    pub fn append(&mut self, mut more: Self) {
-        self.list.append(&mut more.list);
-        self.surfaces.append(&mut more.surfaces);
-        self.wholes.append(&mut more.wholes);
-        self.scale = more.scale;
-        self.merged += more.merged;
-    }
-
-    /// How many there are.
-    #[inline]
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.list.len() + self.surfaces.len() + self.wholes.len()
-    }
-
-    /// There is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// All of them, in any order.
-    pub fn spelt_out(&self) -> impl Iterator<Item = Record> + '_ {
-        let surfaces = self.surfaces.iter().map(|key| key.record(self.scale));
-        let wholes = self.wholes.iter().map(|whole| whole.record(self.scale));
-        self.list.iter().copied().chain(surfaces).chain(wholes)
-    }
-
-    /// Put all of them into the list, in canonical order.
-    pub fn sort(&mut self) {
-        let scale = self.scale;
-        self.list.extend(self.surfaces.drain(..).map(|key| key.record(scale)));
-        self.list.extend(self.wholes.drain(..).map(|whole| whole.record(scale)));
-        self.list.sort_unstable();
     }
 }
 
@@ -298,42 +222,11 @@ compared_by_bits! { Record }
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fragment::key;
-    use crate::scheme::Holds;
 
     #[test]
     fn a_colour_word_comes_back_from_a_surface() {
         for word in [0xFF01_80FF, 0x8000_FF01, 0x01FF_FFFF, 0x0000_0000, 0xFFFF_FFFF] {
             assert_eq!(Record::surface(7, word).color(), word, "{word:x}");
         }
-    }
-
-    #[test]
-    fn surfaces_are_records_of_the_list_once_sorted() {
-        let (near, far) = (key(3, 0x8000_FF01), key(5, 0xFF01_80FF));
-        let list = vec![Record { weight: 2.0, ..Record::surface(4, 0x8000_FF01) }];
-        let records = Records { surfaces: vec![far, near], ..Records::of(list.clone(), 1) };
-        let mut held = records.into_held();
-        assert_eq!(held.len(), 3);
-        held.sort();
-        let sorted = vec![Record::of_key(near), list[0], Record::of_key(far)];
-        assert_eq!(held, Records::of(sorted, 1).into_held());
-    }
-
-    /// What has the same key, and what cannot be seen, included.
-    #[test]
-    fn single_fragments_have_the_order_of_their_records() {
-        let words = [0x8000_FF01, 0xFF01_80FF, 0x00FF_0000, 0x0000_00FF, 0];
-        let all = [3, 4].into_iter().flat_map(|depth| words.map(|word| key(depth, word)));
-        let wholes = all.flat_map(|key| [1, 3, 2].map(|near| Whole { key, near }));
-        let mut records =
-            Records { wholes: wholes.collect(), surfaces: vec![key(3, 255)], ..Records::default() };
-        let scale = records.scale;
-        let mut spelt_out = records.clone();
-        spelt_out.sort();
-        records.unite();
-        records.wholes.sort_unstable();
-        let found: Vec<Record> = records.wholes.iter().map(|whole| whole.record(scale)).collect();
-        assert_eq!((found, spelt_out.wholes.len()), (spelt_out.list, 0));
     }
 }

@@ -11,8 +11,7 @@ use super::Job;
 use super::account::{Judgement, Tally};
 use super::table::TableWords;
 use crate::memory::Counters;
-use crate::resolve::compact::Compact;
-use crate::scheme::{Depth, HeldKind, Keeps, Light, exact};
+use crate::scheme::{Depth, HeldKind, Keeps, Light, Records, exact};
 
 /// A finished frame.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +55,7 @@ pub enum Column {
     /// Fragments.
     Keys(Vec<u64>),
     /// Merged records.
-    Records(Compact),
+    Records(Records),
     /// One colour a pixel.
     Lights(Vec<Light>),
     /// One depth a pixel.
@@ -87,20 +86,6 @@ impl TileOutput {
 }
 
 impl Column {
-    /// Of this kind; `room` is an empty one that may have been of another.
-    fn of(kind: HeldKind, room: Self) -> Self {
-        match (kind, room) {
-            (HeldKind::Fragments, Self::Keys(keys)) => Self::Keys(keys),
-            (HeldKind::Fragments, _) => Self::Keys(Vec::new()),
-            (HeldKind::Records, Self::Records(records)) => Self::Records(records),
-            (HeldKind::Records, _) => Self::Records(Compact::default()),
-            (HeldKind::Color, Self::Lights(lights)) => Self::Lights(lights),
-            (HeldKind::Color, _) => Self::Lights(Vec::new()),
-            (HeldKind::Depth, Self::Depths(depths)) => Self::Depths(depths),
-            (HeldKind::Depth, _) => Self::Depths(Vec::new()),
-        }
-    }
-
     /// The fragments; none if it holds something else.
     #[must_use]
     pub fn keys(&self) -> &[u64] {

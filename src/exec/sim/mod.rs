@@ -77,10 +77,10 @@ pub fn run(
     let rounds = stages.run(&mut turns, recording.as_mut(), checker.as_mut(), &mut watch)?;
     let schedule = turns.finish()?;
     let per_tile = grid.pixels_per_tile();
-    let Stages { generated, gone, reports, mut held, .. } = stages;
-    let tiles = held.chunks_mut(per_tile).enumerate().map(|(tile, held)| {
+    let Stages { generated, gone, reports, held, .. } = stages;
+    let tiles = held.chunks(per_tile).enumerate().map(|(tile, held)| {
         let mut finisher = Finisher::new(job, tile);
-        for (i, held) in held.iter_mut().enumerate() {
+        for (i, held) in held.iter().enumerate() {
             let pixel = tile * per_tile + i;
             finisher.pixel(held, generated[pixel], gone[pixel]);
         }

@@ -64,8 +64,8 @@ pub fn slabs(subject: &Subject, litmus: &Litmus) -> Option<Plot> {
         lane -= 1.0;
         let arrival: Vec<String> = order.iter().map(|&i| label(i).to_string()).collect();
         let mut curve = Curve::new(&format!("records, arrival {}", arrival.join(" ")));
-        for record in &records.list {
-            let near = nearest(&ends, record_near(record, &config.distances));
+        for record in records.spelt_out() {
+            let near = nearest(&ends, record_near(&record, &config.distances));
             curve.rectangle([near, record.depth].map(place), [lane, lane + HIGH * record.rgba[3]]);
         }
         curves.push(curve);

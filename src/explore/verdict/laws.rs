@@ -88,7 +88,7 @@ fn seen(pixel: &OnePixel, contract: &Contract, fragments: [Fragment; 2]) -> Visi
         Held::Keys(keys) => {
             keys.iter().map(|&key| Record::surface(depth_of(key), data_of(key))).collect()
         }
-        Held::Records(records) => records.list,
+        Held::Records(records) => records.into_list(),
         Held::Light(light) => {
             let [r, g, b] = light.color;
             return Visibility::new([r, g, b, 1.0 - light.transmittance]);

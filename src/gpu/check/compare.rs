@@ -126,7 +126,7 @@ fn records(
     sum.lost += weight(right.all).saturating_sub(weight(all));
     sum.duplicated += weight(all).saturating_sub(weight(right.all));
     let equal = match &right.records {
-        Some(records) => held(&found, distances).list == *records,
+        Some(records) => held(&found, distances).into_list() == *records,
         None => true,
     };
     sum.unsettled += u64::from(right.records.is_none());

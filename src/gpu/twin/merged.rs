@@ -75,7 +75,7 @@ impl Promised {
                     .alone::<Integers>(&logarithms)
             };
             let records = match promise.pixel(pixel as u32, list) {
-                Some(Held::Records(records)) => Some(records.list),
+                Some(Held::Records(records)) => Some(records.into_list()),
                 _ => None,
             };
             Pixel { all: as_one(list.iter().map(alone)), records }

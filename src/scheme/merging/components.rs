@@ -115,7 +115,7 @@ pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
 /// Records as they leave a method, with the fragments merged into others.
 #[must_use]
 pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
-    let mut records = Records { scale: Scale(*distances), ..Records::default() };
+    let mut records = Records::at(Scale(*distances));
     all.iter().for_each(|merged| add::<M>(&mut records, merged, distances));
     records
 }
@@ -126,22 +126,10 @@ pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
 pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
     let Merged { near, depth, sums } = *merged;
     match M::exact(sums) {
-        Some(word) => alone(records, Stored { depth, data: word, near }),
-        None => records.list.push(merged.record::<M>(distances)),
+        Some(word) => records.whole(Whole { key: key(depth, word), near }),
+        None => records.push(merged.record::<M>(distances)),
     }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
-}
-
-/// Add a fragment that is a record of its own; [`Records::scale`] says how thick it is.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "once for every record")]
-pub fn alone(records: &mut Records, slab: Stored) {
-    let key = key(slab.depth, slab.data);
-    if slab.is_thick() {
-        records.wholes.push(Whole { key, near: slab.near });
-    } else {
-        records.surfaces.push(key);
-    }
 }
 
 /// Whether at most `most` of these slabs, in canonical order, lie apart from each other: then no more records than that

@@ -14,9 +14,11 @@ use super::components::{Stored, add, components, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, merging};
+use crate::fragment::sort::Sort;
 use crate::fragment::{Fragment, data_of, depth_of};
 use crate::memory::{Atomic, Global, Inputs, Inside, Layout, Memory, Pixel, Plain, Words};
 use crate::num::planes::Distances;
+use crate::num::ray::Ray;
 use crate::scheme::a_buffer::dfb::DynamicFragmentBuffer;
 use crate::scheme::contract::{Form, Overflow};
 use crate::scheme::parts::ranges;
@@ -32,12 +34,12 @@ pub trait Merge: Send + Sync + Sized + 'static {
     /// From the configuration.
     fn new(config: &Config) -> Self;
 
-    /// Add the records, at most `most`, of slabs in canonical order.
-    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records);
+    /// Add the records, at most `most`, of slabs in canonical order. `before` are those in front that stay as they are.
+    fn merge(&self, before: &[Stored], slabs: &[Stored], most: u32, out: &mut Records);
 
-    /// Add those that it is held to.
+    /// Add those that it is held to, of all slabs.
     fn promised(&self, slabs: &[Stored], most: u32, out: &mut Records) {
-        self.merge(slabs, most, out);
+        self.merge(&[], slabs, most, out);
     }
 }
 
@@ -121,64 +123,50 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     fn expected(&self, _: &Inputs, _: u32, generated: &[Fragment]) -> Option<Records> {
-        let mut records = Records { scale: Scale(self.distances), ..Records::default() };
+        let mut records = Records::at(Scale(self.distances));
         self.merge.promised(&stored(generated), self.most, &mut records);
         Some(records)
     }
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
-        let range = self.store.range(&Inside::<_, Self>::new(mem), pixel).await;
+        out.scale = Scale(self.distances);
+        let first = out.len();
         // Where the pool is too small, a range may begin behind its end: it is empty.
-        let length = range.end.saturating_sub(range.start) as usize;
-        for record in range {
+        for record in self.store.range(&Inside::<_, Self>::new(mem), pixel).await {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
-            if near < depth_of(key) || M::CLOSED {
-                // Room for all at once, and none where all are surfaces.
-                out.wholes.reserve(length - out.wholes.len());
-                out.wholes.push(Whole { key, near });
-            } else {
-                out.surfaces.push(key);
-            }
+            out.whole(Whole { key, near });
         }
-        self.reduce(out);
+        self.reduce(out, first);
     }
 }
 
 impl<M: Merge> DfbMerged<M> {
-    /// Merge a pixel's fragments. Where all lie apart, each stays a record as long as there is room: the last record is
-    /// for all that have none. A surface overlaps nothing.
+    /// Merge a pixel's fragments, which are the records from `first` on. Where all lie apart, each stays a record as long
+    /// as there is room: the last record is for all that have none. A surface overlaps nothing.
     #[inline]
-    fn reduce(&self, out: &mut Records) {
-        let most = self.most as usize;
-        if out.wholes.is_empty() && out.surfaces.len() <= most {
+    fn reduce(&self, out: &mut Records, first: usize) {
+        let (most, places) = (self.most as usize, first..out.len());
+        let surfaces = !M::CLOSED && out.are_surfaces(places.clone());
+        if surfaces && places.len() <= most {
             return;
         }
-        out.scale = Scale(self.distances);
-        if out.wholes.is_empty() {
-            out.surfaces.sort_unstable();
-            let rest = out.surfaces.drain(most - 1..).map(|key| Whole::surface(key).into());
-            let rest: Vec<Stored> = rest.collect();
-            return self.merge_rest(&rest, 1, out);
+        out.arrange(places.clone(), |keys| Sort::Fastest.keys(keys));
+        let apart = surfaces || (!M::CLOSED && out.are_apart(places.clone()));
+        if !apart || places.len() > most {
+            self.merge_rest(out, first, if apart { most - 1 } else { 0 });
         }
-        out.unite();
-        out.wholes.sort_unstable();
-        let apart = |two: &[Whole]| depth_of(two[0].key) <= two[1].near;
-        let apart = !M::CLOSED && out.wholes.windows(2).all(apart);
-        let (stay, room) = match apart {
-            true if out.wholes.len() <= most => return,
-            true => (most - 1, 1),
-            false => (0, most),
-        };
-        let mut rest: Vec<Stored> = out.wholes.drain(stay..).map(Stored::from).collect();
-        rest.sort_unstable();
-        self.merge_rest(&rest, room, out);
     }
 
-    /// Out of line, so that pixels where nothing merges do not carry it.
+    /// Merge all but the first `stay`. Out of line, so that pixels where nothing merges do not carry it.
     #[inline(never)]
-    fn merge_rest(&self, rest: &[Stored], room: usize, out: &mut Records) {
-        self.merge.merge(rest, room as u32, out);
+    fn merge_rest(&self, out: &mut Records, first: usize, stay: usize) {
+        let all = (first..out.len()).map(|place| out.single(place).into());
+        let mut before: Vec<Stored> = all.collect();
+        let mut rest = before.split_off(stay);
+        rest.sort_unstable();
+        out.truncate(first + stay);
+        self.merge.merge(&before, &rest, self.most - stay as u32, out);
     }
 }
 
@@ -215,7 +203,7 @@ impl Merge for Overlapping {
         Self { distances: config.distances, logarithms: logarithms() }
     }
 
-    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records) {
+    fn merge(&self, _: &[Stored], slabs: &[Stored], most: u32, out: &mut Records) {
         let all = components::<Integers>(slabs, &self.logarithms);
         let all = with_tail::<Integers>(all, most);
         all.iter().for_each(|merged| add::<Integers>(out, merged, &self.distances));
@@ -248,26 +236,62 @@ impl<S: Smoothing> Merge for Smooth<S> {
         Self { distances: config.distances, blending, form: PhantomData }
     }
 
-    fn merge(&self, slabs: &[Stored], most: u32, out: &mut Records) {
-        self.merge_by(&self.blending, slabs, most, out);
+    fn merge(&self, before: &[Stored], slabs: &[Stored], most: u32, out: &mut Records) {
+        self.merge_by(&self.blending, before, slabs, most, out);
     }
 
     /// A fault is held to what the right form gives.
     fn promised(&self, slabs: &[Stored], most: u32, out: &mut Records) {
         let right = Blending { beta: self.blending.beta, ..RIGHT };
         let faulty = S::CONTRACT.form == Form::Mutation;
-        self.merge_by(if faulty { &right } else { &self.blending }, slabs, most, out);
+        self.merge_by(if faulty { &right } else { &self.blending }, &[], slabs, most, out);
     }
 }
 
 impl<S> Smooth<S> {
-    fn merge_by(&self, blending: &Blending, slabs: &[Stored], most: u32, out: &mut Records) {
+    fn merge_by(
+        &self,
+        blending: &Blending,
+        before: &[Stored],
+        slabs: &[Stored],
+        most: u32,
+        out: &mut Records,
+    ) {
         let mut all: Vec<Slab> = Vec::new();
         let sorted = slabs.iter().map(|s| Slab::of(&self.distances, s.depth, s.near, s.data));
         merge_sorted(sorted, most as usize, blending, &mut all);
-        out.list.extend(all.iter().map(Record::from));
+        let mut records: Vec<Record> = all.iter().map(Record::from).collect();
+        let apart = |all: &[Stored]| !all.iter().any(Stored::is_thick);
+        let exact = !(blending.eight_bits || blending.mixed_tail || blending.closed);
+        if let [.., tail] = &mut records[..]
+            && slabs.len() > most as usize
+            && exact
+            && apart(before)
+            && apart(slabs)
+        {
+            let (front, behind) = slabs.split_at(most as usize - 1);
+            tail.rgba = behind_surfaces(before.iter().chain(front), behind).unwrap_or(tail.rgba);
+        }
         out.merged += (slabs.len() - all.len()) as u32;
+        records.into_iter().for_each(|record| out.push(record));
     }
+}
+
+/// What surfaces look like together, behind others, if they are composited one by one: so that where nothing is thick,
+/// a tail looks as its fragments do, to the last bit. `None` if no light passes the others.
+fn behind_surfaces<'a>(
+    front: impl Iterator<Item = &'a Stored>,
+    behind: &[Stored],
+) -> Option<[f64; 4]> {
+    let mut before = Ray::default();
+    front.for_each(|surface| before.over(surface.data));
+    let mut ray = before;
+    behind.iter().for_each(|surface| ray.over(surface.data));
+    let light = f64::from(before.transmittance);
+    let share = |part: u32| f64::from(part) / light;
+    let [r, g, b] = [0, 1, 2].map(|i| share(ray.color[i] - before.color[i]));
+    let opacity = share(before.transmittance - ray.transmittance);
+    (before.transmittance > 0).then_some([r, g, b, opacity])
 }
 
 /// As it must be.

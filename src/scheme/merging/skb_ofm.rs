@@ -12,6 +12,9 @@
 //! * What is in the tail cannot be told apart again. Where more than k - 1 slabs lie apart, what a later slab would have
 //!   joined may be in the tail, or not. No method can do better in one pass and bounded memory ([`super::components`]).
 //!
+//! A record of one fragment needs its colour word alone: it stands in the last word of the sums, and the others are not
+//! written.
+//!
 //! The paper keeps its array with the farthest in front ("max array"); here its depth is a word of its own, 0xFFFFFFFF
 //! while there is room, so that what is mixed into the tail need not look at the records. Where the paper's text is
 //! silent, this is what we do: a slab joins all that it overlaps, not the first it finds; as long as the tail is not
@@ -28,12 +31,12 @@ use super::components::{Merged, Stored, add, components, never_overflows, record
 use super::dfb_merged::stored;
 use super::merging;
 use super::sums::{Bytes, Floats, Integers, Logarithms, Mix, logarithms};
-use crate::fragment::Fragment;
+use crate::fragment::{Fragment, key};
 use crate::memory::{Access, Inputs, Layout, Memory, Order, Pixel, Plain, Words, both};
 use crate::num::planes::Distances;
 use crate::scheme::contract::{Dependence, Form, Overflow};
 use crate::scheme::parts::lock::{self, FREE, SpinLock};
-use crate::scheme::{Config, Contract, Outcome, Records, Scale, Scheme};
+use crate::scheme::{Config, Contract, Outcome, Records, Scale, Scheme, Whole};
 
 /// What differs between the forms.
 pub trait Kind: Send + Sync + 'static {
@@ -72,16 +75,22 @@ pub struct SkbOfm<K = Exact> {
     scale: f64,
     lock: SpinLock,
     count: Words<Pixel, Plain, u32>,
-    /// The farthest depth of k - 1 records; all ones while there are fewer.
+    /// The farthest depth of k - 1 records; [`NONE`] or [`AGAIN`] while there are fewer.
     bound: Words<Pixel, Plain, u32>,
     near: Words<Pixel, Plain, u32>,
     depth: Words<Pixel, Plain, u32>,
+    /// The first two words of a record's sums.
     sums: Words<Pixel, Plain, u64>,
+    /// The last one.
+    last: Words<Pixel, Plain, u64>,
     kind: PhantomData<K>,
 }
 
-/// While there is room.
+/// While there is room, and nothing in the tail.
 const NONE: u32 = u32::MAX;
+
+/// While there is room again: something may be in the tail. No fragment lies behind it.
+const AGAIN: u32 = u32::MAX - 1;
 
 impl<K: Kind> Scheme for SkbOfm<K> {
     const CONTRACT: Contract = K::CONTRACT;
@@ -104,7 +113,8 @@ impl<K: Kind> Scheme for SkbOfm<K> {
             bound: layout.pixel(1),
             near: layout.pixel(u64::from(k)),
             depth: layout.pixel(u64::from(k)),
-            sums: layout.pixel(3 * u64::from(k)),
+            sums: layout.pixel(2 * u64::from(k)),
+            last: layout.pixel(u64::from(k)),
             kind: PhantomData,
         }
     }
@@ -113,7 +123,7 @@ impl<K: Kind> Scheme for SkbOfm<K> {
         self.lock.clear(mem, pixel).await;
         mem.plain_store(self.count.at(pixel, 0), 0).await;
         mem.plain_store(self.bound.at(pixel, 0), NONE).await;
-        mem.plain_store(self.sums.at(pixel, 3 * self.k - 1), 0).await;
+        mem.plain_store(self.last.at(pixel, self.k - 1), 0).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
@@ -130,7 +140,7 @@ impl<K: Kind> Scheme for SkbOfm<K> {
                 if let Some(left) = left {
                     let (place, mut tail) = (self.k - 1, left);
                     if self.is_there(mem, pixel, place).await != 0 {
-                        tail = merged(self.get(mem, pixel, place).await).with::<K::Mix>(left);
+                        tail = self.merged(self.get(mem, pixel, place).await).with::<K::Mix>(left);
                     }
                     self.put(mem, pixel, place, tail).await;
                 }
@@ -157,14 +167,21 @@ impl<K: Kind> Scheme for SkbOfm<K> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, out: &mut Records) {
         out.scale = Scale(self.distances);
-        let count = mem.plain_load(self.count.at(pixel, 0)).await;
-        for i in 0..count.min(self.k - 1) {
-            let record = merged(self.get(mem, pixel, i).await);
-            add::<K::Mix>(out, &record, &self.distances);
-        }
-        if self.is_there(mem, pixel, self.k - 1).await != 0 {
-            let record = merged(self.get(mem, pixel, self.k - 1).await);
-            add::<K::Mix>(out, &record, &self.distances);
+        let count = mem.plain_load(self.count.at(pixel, 0)).await.min(self.k - 1);
+        for i in (0..count).chain([self.k - 1]) {
+            let last = mem.plain_load(self.last.at(pixel, i)).await;
+            if i == self.k - 1 && last == 0 {
+                break;
+            }
+            let near = mem.plain_load(self.near.at(pixel, i)).await;
+            let depth = mem.plain_load(self.depth.at(pixel, i)).await;
+            if let Some(word) = K::Mix::single(last) {
+                out.whole(Whole { key: key(depth, word), near });
+                continue;
+            }
+            let a = mem.plain_load(self.sums.at(pixel, 2 * i)).await;
+            let b = mem.plain_load(self.sums.at(pixel, 2 * i + 1)).await;
+            add::<K::Mix>(out, &Merged { near, depth, sums: [a, b, last] }, &self.distances);
         }
     }
 }
@@ -182,13 +199,27 @@ impl<K: Kind> SkbOfm<K> {
     #[inline(always)]
     async fn insert<M: Memory>(&self, mem: &M, fragment: Fragment) -> Option<Merged> {
         let pixel = fragment.pixel;
-        let sums = K::Mix::one(fragment.data, &self.logarithms);
-        let own = Merged { near: self.near_end(fragment), depth: fragment.depth, sums };
+        let (near, depth) = (self.near_end(fragment), fragment.depth);
         let bound = mem.plain_load(self.bound.at(pixel, 0)).await;
-        if self.k == 1 || (own.near >= bound && own.depth > bound) {
-            return Some(own);
+        if self.k == 1 || (near >= bound && depth > bound) {
+            return Some(self.own(fragment));
         }
         let mut count = mem.plain_load(self.count.at(pixel, 0)).await;
+        let room = self.k - 1;
+        // The farthest counts only where there is no room left, now or after this fragment.
+        let fills = count + 1 >= room;
+        // Most fragments lie apart, and there is room: they take a short way.
+        if !fills && bound == NONE && !self.overlaps(mem, fragment, near, count).await {
+            mem.plain_store(self.near.at(pixel, count), near).await;
+            mem.plain_store(self.depth.at(pixel, count), depth).await;
+            match K::Mix::kept_single(fragment.data) {
+                Some(last) => mem.plain_store(self.last.at(pixel, count), last).await,
+                None => drop(self.put(mem, pixel, count, self.own(fragment)).await),
+            }
+            mem.plain_store(self.count.at(pixel, 0), count + 1).await;
+            return None;
+        }
+        let own = self.own(fragment);
         let (mut new, mut joined) = (own, None);
         // The farthest record and its depth, and the depth of the next but one.
         let (mut farthest, mut first, mut second) = (NONE, 0, 0);
@@ -202,7 +233,7 @@ impl<K: Kind> SkbOfm<K> {
             let (from, to) = (near.max(own.near), depth.min(own.depth));
             let overlaps = from < to || (K::CLOSED && from == to);
             if overlaps && !(K::FIRST_ONLY && joined.is_some()) {
-                new = merged(self.get(mem, pixel, i).await).with::<K::Mix>(new);
+                new = self.merged(self.get(mem, pixel, i).await).with::<K::Mix>(new);
                 if joined.is_none() {
                     joined = Some(i);
                     i += 1;
@@ -210,17 +241,21 @@ impl<K: Kind> SkbOfm<K> {
                     // Two records become one: the last takes the free place, and is looked at next.
                     count -= 1;
                     if i < count {
-                        let last = merged(self.get(mem, pixel, count).await);
+                        let last = self.merged(self.get(mem, pixel, count).await);
                         self.put(mem, pixel, i, last).await;
                     }
                 }
                 continue;
             }
+            if !fills {
+                i += 1;
+                continue;
+            }
             let mut farther = farthest == NONE || depth > first;
             if !farther && depth == first {
                 let [one, other] = [i, farthest];
-                let one = merged(self.get(mem, pixel, one).await);
-                let other = merged(self.get(mem, pixel, other).await);
+                let one = self.merged(self.get(mem, pixel, one).await);
+                let other = self.merged(self.get(mem, pixel, other).await);
                 farther = one.order::<K::Mix>(&other).is_gt();
             }
             if farther {
@@ -230,19 +265,19 @@ impl<K: Kind> SkbOfm<K> {
             }
             i += 1;
         }
-        let room = self.k - 1;
         let (mut place, mut left) = (count, None);
         if let Some(joined) = joined {
             place = joined;
         } else if count < room {
-            if self.is_there(mem, pixel, room).await != 0
+            if bound != NONE
+                && self.is_there(mem, pixel, room).await != 0
                 && own.depth > mem.plain_load(self.near.at(pixel, room)).await
             {
                 return Some(own);
             }
             count += 1;
         } else {
-            let record = merged(self.get(mem, pixel, farthest).await);
+            let record = self.merged(self.get(mem, pixel, farthest).await);
             let nearer = own.order::<K::Mix>(&record).is_lt();
             if K::TAIL == Tail::NotEvicting || !nearer {
                 return Some(own);
@@ -251,9 +286,42 @@ impl<K: Kind> SkbOfm<K> {
         }
         self.put(mem, pixel, place, new).await;
         mem.plain_store(self.count.at(pixel, 0), count).await;
-        let bound = if count < room { NONE } else { first.max(new.depth) };
-        mem.plain_store(self.bound.at(pixel, 0), bound).await;
+        if fills {
+            let bound = match bound {
+                _ if count == room => first.max(new.depth),
+                NONE => NONE,
+                _ => AGAIN,
+            };
+            mem.plain_store(self.bound.at(pixel, 0), bound).await;
+        }
         left
+    }
+
+    /// Whether a slab overlaps any of the first `count` records. A surface overlaps nothing.
+    #[inline(always)]
+    async fn overlaps<M: Memory>(
+        &self,
+        mem: &M,
+        Fragment { pixel, depth, .. }: Fragment,
+        near: u32,
+        count: u32,
+    ) -> bool {
+        if near == depth && !K::CLOSED {
+            return false;
+        }
+        let mut i = 0;
+        while i < count {
+            let far = mem.plain_load(self.depth.at(pixel, i)).await;
+            if far > near || (K::CLOSED && far == near) {
+                let from = mem.plain_load(self.near.at(pixel, i)).await.max(near);
+                let to = far.min(depth);
+                if from < to || (K::CLOSED && from == to) {
+                    return true;
+                }
+            }
+            i += 1;
+        }
+        false
     }
 
     /// The near end of a fragment's slab.
@@ -270,7 +338,7 @@ impl<K: Kind> SkbOfm<K> {
     #[inline(always)]
     #[track_caller]
     fn is_there<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = u64> {
-        mem.plain_load(self.sums.at(pixel, 3 * i + 2))
+        mem.plain_load(self.last.at(pixel, i))
     }
 
     /// A record's words.
@@ -281,10 +349,10 @@ impl<K: Kind> SkbOfm<K> {
         let ends =
             both(mem.plain_load(self.near.at(pixel, i)), mem.plain_load(self.depth.at(pixel, i)));
         let last = both(
-            mem.plain_load(self.sums.at(pixel, 3 * i + 1)),
-            mem.plain_load(self.sums.at(pixel, 3 * i + 2)),
+            mem.plain_load(self.sums.at(pixel, 2 * i + 1)),
+            mem.plain_load(self.last.at(pixel, i)),
         );
-        both(ends, both(mem.plain_load(self.sums.at(pixel, 3 * i)), last))
+        both(ends, both(mem.plain_load(self.sums.at(pixel, 2 * i)), last))
     }
 
     #[inline(always)]
@@ -296,16 +364,34 @@ impl<K: Kind> SkbOfm<K> {
         i: u32,
         Merged { near, depth, sums }: Merged,
     ) -> impl Future<Output = Stores> {
-        let [a, b, c] = sums;
+        let [a, b, _] = sums;
+        let c = K::Mix::kept(sums);
         let ends = both(
             mem.plain_store(self.near.at(pixel, i), near),
             mem.plain_store(self.depth.at(pixel, i), depth),
         );
         let last = both(
-            mem.plain_store(self.sums.at(pixel, 3 * i + 1), b),
-            mem.plain_store(self.sums.at(pixel, 3 * i + 2), c),
+            mem.plain_store(self.sums.at(pixel, 2 * i + 1), b),
+            mem.plain_store(self.last.at(pixel, i), c),
         );
-        both(ends, both(mem.plain_store(self.sums.at(pixel, 3 * i), a), last))
+        both(ends, both(mem.plain_store(self.sums.at(pixel, 2 * i), a), last))
+    }
+
+    /// A fragment as a record.
+    #[inline(always)]
+    fn own(&self, fragment: Fragment) -> Merged {
+        let sums = K::Mix::one(fragment.data, &self.logarithms);
+        Merged { near: self.near_end(fragment), depth: fragment.depth, sums }
+    }
+
+    /// A record of its words.
+    #[inline(always)]
+    fn merged(&self, ((near, depth), (a, (b, last))): Words5) -> Merged {
+        let sums = match K::Mix::single(last) {
+            Some(word) => K::Mix::one(word, &self.logarithms),
+            None => [a, b, last],
+        };
+        Merged { near, depth, sums }
     }
 }
 
@@ -314,11 +400,6 @@ type Words5 = ((u32, u32), (u64, (u64, u64)));
 
 /// What writing one gives.
 type Stores = (((), ()), ((), ((), ())));
-
-#[inline(always)]
-fn merged(((near, depth), (a, (b, c))): Words5) -> Merged {
-    Merged { near, depth, sums: [a, b, c] }
-}
 
 const CONTRACT: Contract = Contract {
     title: "k+-buffer that merges overlapping slabs on arrival, with a tail",

@@ -54,6 +54,21 @@ pub trait Mix: Send + Sync + 'static {
     fn exact(_: Sums) -> Option<u32> {
         None
     }
+
+    /// The last word as it is kept in memory: with the colour word, if that tells the other words.
+    fn kept(sums: Sums) -> u64 {
+        Self::exact(sums).map_or(sums[2], |word| pair(word, 1))
+    }
+
+    /// The same of one fragment, by its colour word, if that word is all that is kept of it.
+    fn kept_single(_: u32) -> Option<u64> {
+        None
+    }
+
+    /// The colour word, if the last word as it is kept is of one fragment and tells it.
+    fn single(_: u64) -> Option<u32> {
+        None
+    }
 }
 
 /// The fragments that a record stands for.
@@ -119,6 +134,17 @@ impl Mix for Integers {
     #[inline]
     fn word(sums: Sums) -> u32 {
         Self::exact(sums).unwrap_or(u32::MAX)
+    }
+
+    #[inline]
+    fn kept_single(data: u32) -> Option<u64> {
+        // What cannot be seen has no colour, as in the sums.
+        Some(pair(if data >> 24 == 0 { 0 } else { data }, 1))
+    }
+
+    #[inline]
+    fn single(last: u64) -> Option<u32> {
+        (high(last) == 1).then_some(low(last))
     }
 
     #[inline]
@@ -245,6 +271,9 @@ mod tests {
             let word = if a > 0 { data } else { 0 };
             assert_eq!(Integers::exact(sums), Some(word), "{data:x}");
             assert_eq!(Integers::exact(Integers::mix(sums, sums)), None);
+            assert_eq!(Integers::kept_single(data), Some(Integers::kept(sums)));
+            assert_eq!(Integers::single(Integers::kept(sums)), Some(word));
+            assert_eq!(Integers::one(word, &logarithms), sums);
         }
     }
 }

@@ -1,4 +1,7 @@
-//! The only types that cross from the rasterizer to the schemes.
+//! The only types that cross from the rasterizer to the schemes, and their canonical order.
+
+mod network;
+pub mod sort;
 
 use std::fmt;
 
