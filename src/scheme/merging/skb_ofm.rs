@@ -168,9 +168,14 @@ impl<K: Kind> Scheme for SkbOfm<K> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, out: &mut Records) {
         out.scale = Scale(self.distances);
         let count = mem.plain_load(self.count.at(pixel, 0)).await.min(self.k - 1);
-        for i in (0..count).chain([self.k - 1]) {
+        // Records, and then the tail.
+        let tail = self.k - 1;
+        let mut next = if count == 0 { tail } else { 0 };
+        while next <= tail {
+            let i = next;
+            next = if i + 1 == count { tail } else { i + 1 };
             let last = mem.plain_load(self.last.at(pixel, i)).await;
-            if i == self.k - 1 && last == 0 {
+            if i == tail && last == 0 {
                 break;
             }
             let near = mem.plain_load(self.near.at(pixel, i)).await;
@@ -209,7 +214,7 @@ impl<K: Kind> SkbOfm<K> {
         // The farthest counts only where there is no room left, now or after this fragment.
         let fills = count + 1 >= room;
         // Most fragments lie apart, and there is room: they take a short way.
-        if !fills && bound == NONE && !self.overlaps(mem, fragment, near, count).await {
+        if count < room && bound == NONE && !self.overlaps(mem, fragment, near, count).await {
             mem.plain_store(self.near.at(pixel, count), near).await;
             mem.plain_store(self.depth.at(pixel, count), depth).await;
             match K::Mix::kept_single(fragment.data) {
@@ -217,6 +222,14 @@ impl<K: Kind> SkbOfm<K> {
                 None => drop(self.put(mem, pixel, count, self.own(fragment)).await),
             }
             mem.plain_store(self.count.at(pixel, 0), count + 1).await;
+            if fills {
+                let (mut farthest, mut i) = (depth, 0);
+                while i < count {
+                    farthest = mem.plain_load(self.depth.at(pixel, i)).await.max(farthest);
+                    i += 1;
+                }
+                mem.plain_store(self.bound.at(pixel, 0), farthest).await;
+            }
             return None;
         }
         let own = self.own(fragment);
