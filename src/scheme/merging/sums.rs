@@ -25,6 +25,18 @@ const POINT: u32 = 24;
 /// The logarithm of opacity 1.
 const OPAQUE: f64 = 17.0;
 
+/// By opacity byte a, what a sum of one fragment is multiplied by to divide it by a, above 24 bits: the sum is a times a
+/// byte c, and the scale at most 1 above 2^24 / a, so that the product is c 2^24 and at most 65,025.
+const SCALES: [u32; 256] = {
+    let mut scales = [0; 256];
+    let mut a = 1;
+    while a < 256 {
+        scales[a] = (1 << 24) / a as u32 + 1;
+        a += 1;
+    }
+    scales
+};
+
 /// The table that [`Integers`] add from.
 #[must_use]
 pub fn logarithms() -> Box<Logarithms> {
@@ -153,9 +165,8 @@ impl Mix for Integers {
             return None;
         }
         let a = high(ba);
-        // Every sum is a times a byte c, and the scale at most 1 above 2^24 / a: the product is c 2^24 and at most 65,025.
-        let scale = (1u32 << 24).checked_div(a).map_or(0, |scale| scale + 1);
-        let byte = |sum: u32| ((u64::from(sum) * u64::from(scale)) >> 24) as u8;
+        let scale = u64::from(SCALES[a as u8 as usize]);
+        let byte = |sum: u32| ((u64::from(sum) * scale) >> 24) as u8;
         Some(u32::from_le_bytes([byte(low(rg)), byte(high(rg)), byte(low(ba)), a as u8]))
     }
 }
