@@ -260,7 +260,12 @@ impl Sheet<'_> {
             if row.barrier {
                 drawing.rule([MARGIN, down + 1.0], [self.columns.right, down + 1.0], Ink::Quiet);
             }
-            drawing.text([self.columns.first() + PAD, letters], Anchor::Start, &row.text, ink);
+            // The lines of lanes do not pass through letters.
+            let left = self.columns.first() + PAD;
+            let size = [LETTER[0] * row.text.chars().count() as f64, LINE - 2.0];
+            let paper = if row.wrong { Ink::FaultPanel } else { Ink::Paper };
+            drawing.area([left, down + 2.0], size, paper);
+            drawing.text([left, letters], Anchor::Start, &row.text, ink);
             return;
         };
         let number_ink = if row.caused { Ink::Fault } else { Ink::Quiet };

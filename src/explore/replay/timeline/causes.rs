@@ -43,7 +43,11 @@ fn endless(timeline: &Timeline) -> Fault {
     let first = steps + 1 - timeline.cycle.min(steps);
     Fault {
         property: Property::Termination.name().to_owned(),
-        message: format!("steps {first} to {steps} repeat forever"),
+        message: if first == steps {
+            format!("step {first} repeats forever")
+        } else {
+            format!("steps {first} to {steps} repeat forever")
+        },
         step: Some(first),
         shown: Shown::Cycle,
         causes: Vec::new(),
@@ -129,12 +133,13 @@ fn lost_updates(timeline: &Timeline) -> Vec<Cause> {
         let mut involved = vec![read.number, last, write.number];
         involved.extend(others[..others.len() - 1].iter().copied());
         involved.sort_unstable();
-        let message = format!(
-            "{}; {}; then {}, without having read it again",
-            who(timeline, read.number),
-            who(timeline, last),
-            who(timeline, write.number),
-        );
+        let [reads, other, writes] =
+            [read.number, last, write.number].map(|number| who(timeline, number));
+        let message = if last < read.number {
+            format!("{reads}, although {other}; then {writes}, without having read that")
+        } else {
+            format!("{reads}; {other}; then {writes}, without having read it again")
+        };
         all.push(Cause { kind: CauseKind::LostUpdate, steps: involved, message });
     }
     all
