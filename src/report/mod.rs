@@ -9,6 +9,8 @@ pub mod inspection;
 pub mod json;
 pub mod npz;
 pub mod picture;
+pub mod stability;
 pub mod table;
 pub mod text;
+pub mod timeline;
 pub mod verdicts;
