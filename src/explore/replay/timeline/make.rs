@@ -253,7 +253,7 @@ impl Maker<'_> {
             written: seen.wrote.map(hex),
             lock: at.filter(|at| self.is_lock(at)).and_then(|_| locking(action?, event.result)),
             spins: event.spins,
-            site: event.site.map(|site| site.to_string()),
+            site: event.site.map(ToString::to_string),
             text: told(event),
             short: String::new(),
             ends: event.ended.clone(),

@@ -185,7 +185,7 @@ pub struct Step {
     pub lock: Option<Locking>,
     /// The invocation goes back, to try again.
     pub spins: bool,
-    /// The line of the source that it comes from: file:line:column.
+    /// The place in the source: its file, line and column, with colons between them.
     pub site: Option<String>,
     /// The step as `--trace` shows it.
     pub text: String,
