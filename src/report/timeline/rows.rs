@@ -1,6 +1,7 @@
 //! The rows of a timeline: its steps, with what is said between them.
 
-use crate::explore::replay::timeline::{Change, Shown, Step, Timeline};
+use crate::explore::Property;
+use crate::explore::replay::timeline::{Change, Shown, Step, Timeline, Word};
 
 /// A row.
 pub(super) struct Row<'a> {
@@ -22,9 +23,7 @@ pub(super) struct Row<'a> {
 
 /// The rows, from the first step on.
 pub(super) fn rows(timeline: &Timeline) -> Vec<Row<'_>> {
-    let initial = |word: &crate::explore::replay::timeline::Word| {
-        word.initial.clone().unwrap_or_else(|| "-".to_owned())
-    };
+    let initial = |word: &Word| word.initial.clone().unwrap_or_else(|| "-".to_owned());
     let mut values: Vec<String> = timeline.words.iter().map(initial).collect();
     let fault = timeline.fault.as_ref();
     let causes = fault.and_then(|fault| fault.causes.first());
@@ -67,7 +66,15 @@ pub(super) fn rows(timeline: &Timeline) -> Vec<Row<'_>> {
             barrier: false,
         });
         for wrong in &step.wrong {
-            rows.push(said(format!("{}: {}", wrong.property, wrong.message), true, false, &values));
+            // What is told above already, or is as long as a table is wide, is told in short.
+            let own = fault.is_some_and(|fault| fault.message == wrong.message);
+            let is_race = wrong.property == Property::RaceFree.name();
+            let text = match (own, is_race) {
+                (true, _) => format!("{} fails here", wrong.property),
+                (false, true) => format!("{}: not ordered with an earlier access", wrong.property),
+                (false, false) => format!("{}: {}", wrong.property, wrong.message),
+            };
+            rows.push(said(text, true, false, &values));
         }
         let doomed = fault.is_some_and(|fault| fault.shown == Shown::DoomedAfter);
         if doomed && marked == Some(step.number) {

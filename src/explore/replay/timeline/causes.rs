@@ -2,7 +2,6 @@
 //! locks with two holders.
 
 use super::super::run::Run;
-use super::make::wrong;
 use super::{Cause, CauseKind, Fault, Locking, Shown, Step, Timeline, Wrong};
 use crate::explore::search::property::Property;
 
@@ -14,7 +13,7 @@ pub(super) fn fault(timeline: &Timeline, run: &Run) -> Option<Fault> {
     let at_steps =
         timeline.steps.iter().flat_map(|step| step.wrong.iter().map(move |w| (Some(step), w)));
     let at_end: Vec<Wrong> =
-        run.wrong.iter().map(|(property, told)| wrong(*property, told)).collect();
+        run.wrong.iter().map(|(property, told)| Wrong::new(*property, told)).collect();
     let all: Vec<(Option<&Step>, &Wrong)> =
         at_steps.chain(at_end.iter().map(|wrong| (None, wrong))).collect();
     let own = all.iter().find(|(_, wrong)| wrong.property == timeline.property);

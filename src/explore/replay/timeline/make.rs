@@ -229,7 +229,7 @@ impl Maker<'_> {
         let (event, seen) = (&self.run.events[i], &self.memory.steps[i]);
         let action = event.operation.map(|(_, action)| action);
         let at = event.operation.map(|(at, _)| at).filter(|at| *at != OUTSIDE);
-        let wrong = event.wrong.iter().map(|(property, told)| wrong(*property, told));
+        let wrong = event.wrong.iter().map(|(property, told)| Wrong::new(*property, told));
         let [operand, expected] = action.map_or([None; 2], operands);
         let reads = action.is_some_and(|action| !matches!(action, Action::Write(..)));
         let mut step = Step {
@@ -253,7 +253,7 @@ impl Maker<'_> {
             written: seen.wrote.map(hex),
             lock: at.filter(|at| self.is_lock(at)).and_then(|_| locking(action?, event.result)),
             spins: event.spins,
-            site: event.site.map(|site| site.to_string()),
+            site: event.site.map(ToString::to_string),
             text: told(event),
             short: String::new(),
             ends: event.ended.clone(),
@@ -339,11 +339,6 @@ impl Maker<'_> {
             found: found.map(ToString::to_string),
         }
     }
-}
-
-/// What is wrong, in words.
-pub(super) fn wrong(property: Property, told: &str) -> Wrong {
-    Wrong { property: property.name().to_owned(), message: told.to_owned() }
 }
 
 fn operation(event: &Event) -> Operation {

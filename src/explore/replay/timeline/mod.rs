@@ -14,6 +14,7 @@ mod make;
 use serde::Serialize;
 
 pub use self::make::{MOST_STEPS, timeline, timeline_of};
+use crate::explore::search::property::Property;
 
 /// The version of the format. It is raised when a field is renamed or removed, or comes to mean something else.
 pub const VERSION: u32 = 1;
@@ -185,7 +186,7 @@ pub struct Step {
     pub lock: Option<Locking>,
     /// The invocation goes back, to try again.
     pub spins: bool,
-    /// The line of the source that it comes from: file:line:column.
+    /// The place in the source: its file, line and column, with colons between them.
     pub site: Option<String>,
     /// The step as `--trace` shows it.
     pub text: String,
@@ -291,6 +292,12 @@ pub struct Wrong {
     pub property: String,
     /// What is wrong, in words.
     pub message: String,
+}
+
+impl Wrong {
+    fn new(property: Property, told: &str) -> Self {
+        Self { property: property.name().to_owned(), message: told.to_owned() }
+    }
 }
 
 /// What goes wrong.
