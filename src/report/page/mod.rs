@@ -21,6 +21,7 @@ mod block;
 pub mod drawing;
 mod files;
 pub mod pixels;
+pub mod verdicts;
 mod write;
 
 use serde::Serialize;
