@@ -167,8 +167,33 @@ pub(in crate::explore) trait Model {
     /// now are new.
     fn barrier(&mut self, written: &std::collections::BTreeMap<u32, u64>);
 
+    /// All values of a word that some invocation may still read, in the order in which memory has them; `None` for one
+    /// that was never written.
+    fn versions(&self, cell: u32) -> Vec<Option<u64>> {
+        vec![self.settled(cell)]
+    }
+
+    /// The oldest of them that an invocation may still read.
+    fn oldest(&self, _invocation: usize, _cell: u32) -> usize {
+        0
+    }
+
+    /// Which of them the last operation read, and where it put one; `None` if each word has one value at a time.
+    fn touched(&self) -> Option<Touched> {
+        None
+    }
+
     /// What a word holds once all invocations are ordered before the reader; `None` if it was never written.
     fn settled(&self, cell: u32) -> Option<u64>;
+}
+
+/// Which versions of its word an operation read and wrote.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::explore) struct Touched {
+    /// The one that it read.
+    pub(in crate::explore) read: Option<usize>,
+    /// Where it put its own: those from there on go up by one.
+    pub(in crate::explore) put: Option<usize>,
 }
 
 /// A value cut to a word's width.

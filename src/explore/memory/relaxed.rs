@@ -68,7 +68,7 @@
 
 mod canonical;
 
-use super::model::{Fences, Initial, Model, Profile, Race, cut, order_of, writes};
+use super::model::{Fences, Initial, Model, Profile, Race, Touched, cut, order_of, writes};
 use crate::memory::asked::Action;
 use crate::memory::{Numbering, Order, Update};
 
@@ -100,6 +100,8 @@ pub(super) struct Relaxed {
     /// The last operation wrote less than the message before it has, or more than the one behind it. Not part of the
     /// state.
     descends: bool,
+    /// What the last operation read and wrote. Not part of the state.
+    touched: Touched,
     /// There was no room for what the last operation does. Not part of the state: none follows.
     lost: bool,
     /// The same of any operation so far. Not part of the state: it is never taken back.
@@ -202,6 +204,7 @@ impl Relaxed {
             accesses: vec![[0; KINDS]; initial.len() * invocations],
             race: None,
             descends: false,
+            touched: Touched::default(),
             lost: false,
             full: false,
         }
@@ -287,6 +290,7 @@ impl Relaxed {
         if index < messages.len() {
             self.renumber(cell, index);
         }
+        self.touched.put = Some(index);
         view.from[cell] = index as u8;
         let message = Message { value, unwritten: false, attached, view };
         self.messages[cell].insert(index, message);
@@ -385,6 +389,7 @@ impl Relaxed {
 impl Model for Relaxed {
     fn load(&mut self, encoded: &[u32]) {
         canonical::decode(self, encoded);
+        self.touched = Touched::default();
         (self.race, self.descends, self.lost) = (None, false, false);
     }
 
@@ -394,6 +399,7 @@ impl Model for Relaxed {
 
     fn perform(&mut self, invocation: usize, cell: u32, action: Action, alternative: usize) -> u64 {
         (self.race, self.descends, self.lost) = (None, false, false);
+        self.touched = Touched::default();
         let cell = cell as usize;
         let (order, fences) = match order_of(action) {
             Some(order) => self.profile.order(order),
@@ -419,6 +425,7 @@ impl Model for Relaxed {
             self.put(invocation, cell, choice.message, value, releases, false);
         } else {
             result = self.value(cell, choice);
+            self.touched.read = Some(choice.message);
             // From its first read on, an unwritten word has this value for all.
             let message = &mut self.messages[cell][choice.message];
             (message.value, message.unwritten) = (result, false);
@@ -483,6 +490,19 @@ impl Model for Relaxed {
         }
         self.threads = threads(&empty);
         self.accesses.fill([0; KINDS]);
+    }
+
+    fn versions(&self, cell: u32) -> Vec<Option<u64>> {
+        let messages = self.messages[cell as usize].iter();
+        messages.map(|message| (!message.unwritten).then_some(message.value)).collect()
+    }
+
+    fn oldest(&self, invocation: usize, cell: u32) -> usize {
+        self.threads[invocation].cur.from[cell as usize].into()
+    }
+
+    fn touched(&self) -> Option<Touched> {
+        Some(self.touched)
     }
 
     /// The last message: what a barrier would leave.

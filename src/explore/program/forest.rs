@@ -232,6 +232,11 @@ impl<'a> Forest<'a> {
         }
     }
 
+    /// Whether an answer to a node's step leads back, to try again.
+    pub(in crate::explore) fn goes_back(&self, node: NodeId, answer: u64) -> bool {
+        self.claims.contains(&(node, answer))
+    }
+
     /// The answers that lead to a node with this parent: those of its chain (1).
     fn answers(&self, parent: Option<(NodeId, u64)>) -> Vec<Answer> {
         let mut answers = Vec::new();

@@ -307,6 +307,11 @@ impl<'a> Machine<'a> {
         self.head
     }
 
+    /// The memory of the loaded state.
+    pub(in crate::explore) fn memory(&self) -> &dyn Model {
+        &*self.model
+    }
+
     /// The numbers of the words.
     pub(in crate::explore) fn numbering(&self) -> &Numbering {
         &self.case.numbering

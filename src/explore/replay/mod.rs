@@ -4,10 +4,14 @@
 pub mod minimise;
 pub mod run;
 pub mod slabs;
+pub mod timeline;
 pub mod token;
+pub mod watch;
+pub mod words;
 
-use self::run::{Event, OUTSIDE, Run, Runner, describe, label, run};
+use self::run::{Event, OUTSIDE, Run, Runner, run};
 use self::token::LitmusToken;
+use self::words::{describe, label};
 use super::program::case::Case;
 use super::program::controls;
 use super::program::litmus::Litmus;

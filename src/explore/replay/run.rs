@@ -1,11 +1,13 @@
 //! Running a schedule, step by step, recording everything that happens.
 
+use super::watch::{Memory, Watch};
+use super::words::{describe, label};
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{self, Race};
 use crate::explore::program::case::Case;
 use crate::explore::program::forest::{NodeId, Step};
 use crate::explore::program::litmus::Stage;
-use crate::explore::program::machine::{Conditions, Final, Machine, Moved, Stop};
+use crate::explore::program::machine::{Conditions, Final, Machine, Stop};
 use crate::explore::program::schedule::Move;
 use crate::explore::search::explored::Limits;
 use crate::explore::search::property::{self, Property};
@@ -35,6 +37,10 @@ pub struct Event {
     pub site: Option<Site>,
     /// How the invocation ended, if it did.
     pub ended: Option<String>,
+    /// It goes back to try again.
+    pub spins: bool,
+    /// The step that it races with, counted from 0.
+    pub races_with: Option<usize>,
     /// What is wrong with this step or the state after it.
     pub wrong: Vec<(Property, String)>,
 }
@@ -65,6 +71,8 @@ pub(in crate::explore) struct Runner<'a> {
     nodes: Vec<NodeId>,
     state: Vec<u32>,
     events: Vec<Event>,
+    /// Follows memory, where that is asked for.
+    watch: Option<Watch>,
     /// An invocation has panicked: nothing follows.
     is_over: bool,
 }
@@ -74,7 +82,15 @@ impl<'a> Runner<'a> {
         let machine = Machine::new(case, conditions, false);
         let state = machine.initial().to_vec();
         let nodes = state[..machine.width].to_vec();
-        Self { machine, nodes, state, events: Vec::new(), is_over: false }
+        Self { machine, nodes, state, events: Vec::new(), watch: None, is_over: false }
+    }
+
+    /// The same, with an eye on memory.
+    fn watched(case: &'a Case, conditions: Conditions) -> Self {
+        let mut runner = Self::new(case, conditions);
+        runner.machine.load(&runner.state);
+        runner.watch = Some(Watch::new(&runner.machine, &runner.nodes));
+        runner
     }
 
     /// Bits of the invocations that can go on.
@@ -117,12 +133,22 @@ impl<'a> Runner<'a> {
         if self.is_over {
             return None;
         }
+        if let Some(watch) = &mut self.watch {
+            watch.before(&self.machine, step, by);
+        }
         let moved = self.machine.perform(node, by);
         if moved.stop == Some(Stop::NoRoom) {
             return None;
         }
+        if let Some(watch) = &mut self.watch {
+            watch.performed(&self.machine, step, by, moved.result);
+        }
         self.is_over = moved.stop == Some(Stop::Panic);
-        let wrong = self.wrong(node, by, moved);
+        let races_with = moved.race.and_then(|race| self.racing(race));
+        let mut wrong: Vec<(Property, String)> =
+            moved.fault.into_iter().map(|f| (f.property(), self.machine.told(node, f))).collect();
+        let race = moved.race.map(|race| self.race(by, race, races_with));
+        wrong.extend(race.map(|told| (Property::RaceFree, told)));
         let mut event = Event {
             stage: self.machine.stage_number(),
             by,
@@ -130,6 +156,8 @@ impl<'a> Runner<'a> {
             result: moved.result,
             site,
             ended: self.ended(moved.node),
+            spins: moved.stop.is_none() && self.machine.forest.goes_back(node, moved.result),
+            races_with,
             wrong,
         };
         let width = self.nodes.len();
@@ -139,8 +167,23 @@ impl<'a> Runner<'a> {
         event.wrong.extend(at_barrier.map(|told| (Property::Invariant, told)));
         self.nodes.copy_from_slice(&self.state[..width]);
         self.look(&mut event.wrong);
+        if let Some(watch) = &mut self.watch {
+            watch.settled(&self.machine, &self.nodes);
+        }
         self.events.push(event);
         self.events.last()
+    }
+
+    /// Make these moves.
+    fn follow(&mut self, schedule: &[Move]) -> Result<()> {
+        for (i, &by) in schedule.iter().enumerate() {
+            if self.step(by).is_none() {
+                let problem =
+                    format!("step {} is impossible: the schedule belongs to something else", i + 1);
+                return Err(Error::new("schedule", problem));
+            }
+        }
+        Ok(())
     }
 
     /// The word that a step accesses, and how. A helper's update has alternatives of its own, and no word if it is
@@ -164,16 +207,10 @@ impl<'a> Runner<'a> {
         })
     }
 
-    fn wrong(&self, node: NodeId, by: Move, moved: Moved) -> Vec<(Property, String)> {
-        let fault = moved.fault.map(|f| (f.property(), self.machine.told(node, f)));
-        let race = moved.race.map(|race| (Property::RaceFree, self.race(by, race)));
-        fault.into_iter().chain(race).collect()
-    }
-
-    /// Both accesses of a race, in words.
-    fn race(&self, by: Move, race: Race) -> String {
+    /// The earlier step of a race.
+    fn racing(&self, race: Race) -> Option<usize> {
         let name = self.machine.numbering().address(race.cell);
-        let matches = |event: &&Event| {
+        let matches = |event: &Event| {
             let Some((at, action)) = event.operation else { return false };
             let writes = model::writes(action, event.result);
             let plain = model::order_of(action).is_none();
@@ -182,7 +219,13 @@ impl<'a> Runner<'a> {
                 && writes == race.other_writes
                 && plain == race.other_plain
         };
-        let earlier = self.events.iter().rev().find(matches);
+        self.events.iter().rposition(matches)
+    }
+
+    /// Both accesses of a race, in words.
+    fn race(&self, by: Move, race: Race, with: Option<usize>) -> String {
+        let name = self.machine.numbering().address(race.cell);
+        let earlier = with.map(|step| &self.events[step]);
         let place = match name.pixel {
             Some(pixel) => format!("pixel {pixel}, word {}", name.word),
             None => format!("frame word {}", name.word),
@@ -301,44 +344,6 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// A, B, C ...
-#[must_use]
-pub fn label(invocation: usize) -> char {
-    char::from(b'A' + (invocation % 26) as u8)
-}
-
-/// An operation in words.
-#[must_use]
-pub fn describe(action: Action) -> String {
-    use crate::memory::{Access, Order, Update};
-    let order = |order: Order| match order {
-        Order::Relaxed => "relaxed",
-        Order::Acquire => "acquire",
-        Order::Release => "release",
-        Order::AcqRel => "acq-rel",
-    };
-    match action {
-        Action::Read(Access::Plain) => "plain load".to_owned(),
-        Action::Read(Access::Atomic(o)) => format!("{} load", order(o)),
-        Action::Write(value, Access::Plain) => format!("plain store of {value:x}"),
-        Action::Write(value, Access::Atomic(o)) => format!("{} store of {value:x}", order(o)),
-        Action::Update(update, o) => {
-            let what = match update {
-                Update::Exchange(v) => format!("exchange {v:x}"),
-                Update::CompareExchange { expected, new } => {
-                    format!("compare-exchange {expected:x} -> {new:x}")
-                }
-                Update::Add(v) => format!("add {v:x}"),
-                Update::And(v) => format!("and {v:x}"),
-                Update::Or(v) => format!("or {v:x}"),
-                Update::Min(v) => format!("min {v:x}"),
-                Update::Max(v) => format!("max {v:x}"),
-            };
-            format!("{} {what}", order(o))
-        }
-    }
-}
-
 /// Run a schedule.
 ///
 /// # Errors
@@ -349,12 +354,19 @@ pub(in crate::explore) fn run(
     schedule: &[Move],
 ) -> Result<Run> {
     let mut runner = Runner::new(case, conditions);
-    for (i, &by) in schedule.iter().enumerate() {
-        if runner.step(by).is_none() {
-            let problem =
-                format!("step {} is impossible: the schedule belongs to something else", i + 1);
-            return Err(Error::new("schedule", problem));
-        }
-    }
+    runner.follow(schedule)?;
     Ok(runner.finish())
+}
+
+/// The same, with what memory held before the first step, and what every step found and left there. It takes time for
+/// every word at every step.
+pub(super) fn run_watched(
+    case: &Case,
+    conditions: Conditions,
+    schedule: &[Move],
+) -> Result<(Run, Memory)> {
+    let mut runner = Runner::watched(case, conditions);
+    runner.follow(schedule)?;
+    let memory = runner.watch.take().map(Watch::memory).unwrap_or_default();
+    Ok((runner.finish(), memory))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::run::label;
+use super::words::label;
 use crate::exec::one_pixel::OnePixel;
 use crate::explore::program::litmus::Litmus;
 use crate::explore::program::subject::Subject;

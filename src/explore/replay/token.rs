@@ -10,7 +10,8 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::run::{Event, Run, describe};
+use super::run::{Event, Run};
+use super::words::describe;
 use crate::error::{Error, Result};
 use crate::explore::memory::model::{MemoryModel, Profile};
 use crate::explore::program::litmus::Litmus;

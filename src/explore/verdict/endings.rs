@@ -12,7 +12,7 @@ use crate::explore::program::litmus::Litmus;
 use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::Move;
 use crate::explore::program::subject::Subject;
-use crate::explore::replay::run;
+use crate::explore::replay::words;
 use crate::explore::search::explored::Limits;
 use crate::explore::search::progress::{self, Lasso, Progress, Progressed};
 use crate::explore::search::property::Property;
@@ -132,7 +132,7 @@ impl<'a> Endings<'a> {
 /// A lasso in words: A A B (A)^w.
 fn lasso_told(lasso: &Lasso) -> String {
     let word = |moves: &[Move]| {
-        moves.iter().map(|by| run::label(usize::from(by.invocation))).collect::<String>()
+        moves.iter().map(|by| words::label(usize::from(by.invocation))).collect::<String>()
     };
     if lasso.cycle.is_empty() {
         return format!("after {} no invocation can move any more", word(&lasso.stem));

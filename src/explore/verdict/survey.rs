@@ -17,8 +17,8 @@ use crate::explore::program::machine::Conditions;
 use crate::explore::program::schedule::Move;
 use crate::explore::program::subject::Subject;
 use crate::explore::program::values::{self, Values};
-use crate::explore::replay::run;
 use crate::explore::replay::token::{LitmusToken, Token};
+use crate::explore::replay::{run, words};
 use crate::explore::search::explored::{Explored, Found, Limits, Stopped};
 use crate::explore::search::property::Property;
 use crate::explore::search::random::Sites;
@@ -130,7 +130,7 @@ impl Survey {
         let reached = self.reached();
         // Without the value: `relaxed store`.
         let told = |action: &Action| {
-            run::describe(*action).split(' ').take(2).collect::<Vec<_>>().join(" ")
+            words::describe(*action).split(' ').take(2).collect::<Vec<_>>().join(" ")
         };
         let missed = sites().iter().filter(|(site, _)| !reached.contains(site));
         self.missed = missed.map(|(site, action)| (*site, told(action))).collect();

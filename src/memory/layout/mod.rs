@@ -6,10 +6,12 @@
 
 pub mod address;
 pub mod inputs;
+pub mod names;
 pub mod pool;
 
 use std::marker::PhantomData;
 
+use self::names::Names;
 use super::word::Word;
 
 pub use address::{Address, Numbering, Snapshot};
@@ -172,6 +174,7 @@ pub struct Layout {
     pools: Vec<u64>,
     growing: Vec<Growing>,
     inputs: Vec<Declared>,
+    names: Names,
 }
 
 /// Words of the frame whose values never decrease while fragments are stored.
@@ -186,17 +189,35 @@ pub struct Growing {
 impl Layout {
     /// Declare `count` words for every pixel.
     pub fn pixel<K: Kind, W: Word>(&mut self, count: u64) -> Words<Pixel, K, W> {
-        Words::take(&mut self.pixel, count)
+        let words = Words::take(&mut self.pixel, count);
+        self.names.give::<Pixel, W>(words.first, count);
+        words
     }
 
     /// Declare `count` words for the frame.
     pub fn global<K: Kind, W: Word>(&mut self, count: u64) -> Words<Global, K, W> {
-        Words::take(&mut self.global, count)
+        let words = Words::take(&mut self.global, count);
+        self.names.give::<Global, W>(words.first, count);
+        words
+    }
+
+    /// The name, for people, of the words that are declared next: `layout.named("depth").pixel(8)`.
+    pub fn named(&mut self, name: &'static str) -> &mut Self {
+        self.names.next(name);
+        self
+    }
+
+    /// The name of a word, with its place where several have one name, as in `depth[3]`; `None` if it was declared
+    /// without.
+    #[must_use]
+    pub fn name_of(&self, address: Address) -> Option<String> {
+        self.names.of(address)
     }
 
     /// Declare a pool from which every fragment takes at most one index, when it is stored. An index is a name: the
     /// scheme compares it with the pool's size, and finds words by it ([`pool`]).
     pub fn pool(&mut self) -> Pool {
+        self.names.next_or("pool");
         let pool = Pool { counter: self.global(1), number: self.pools.len() as u32 };
         self.pools.push(pool.counter.first);
         pool
@@ -234,6 +255,7 @@ impl Layout {
     /// Declare a lock for every pixel: a word that is 0 when free, taken by an exchange that finds 0 or by a
     /// compare-exchange, and freed by a write of 0. Search checks mutual exclusion.
     pub fn lock(&mut self) -> Words<Pixel, Atomic, u32> {
+        self.names.next_or("lock");
         let words = self.pixel(1);
         self.locks.push(words.first);
         words
@@ -243,6 +265,7 @@ impl Layout {
     /// hardware, and is not part of the method's own storage.
     pub fn interlock(&mut self) -> Words<Pixel, Atomic, u32> {
         self.interlocks += 1;
+        self.names.next_or("turn");
         self.pixel(1)
     }
 

@@ -85,7 +85,8 @@ impl<T: Ticket> Scheme for AbArray<T> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let slots = config.k.unwrap_or(config.max_depth_complexity);
-        let (counter, records) = (layout.pixel(1), layout.pixel(u64::from(slots)));
+        let counter = layout.named("counter").pixel(1);
+        let records = layout.named("records").pixel(u64::from(slots));
         Self { slots, counter, records, form: PhantomData }
     }
 

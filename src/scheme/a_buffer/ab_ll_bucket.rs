@@ -121,8 +121,8 @@ impl<V: Variant> Scheme for AbBucketList<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
-            near: layout.pixel(1),
-            far: layout.pixel(1),
+            near: layout.named("near").pixel(1),
+            far: layout.named("far").pixel(1),
             lists: Lists::new(BUCKETS, config, layout),
             variant: PhantomData,
         }

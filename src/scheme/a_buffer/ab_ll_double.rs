@@ -87,7 +87,11 @@ impl<V: Variant> Scheme for AbDoubleList<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let lists = Lists::new(1, config, layout);
-        Self { lists, previous: layout.global(lists.capacity()), variant: PhantomData }
+        Self {
+            lists,
+            previous: layout.named("previous").global(lists.capacity()),
+            variant: PhantomData,
+        }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {

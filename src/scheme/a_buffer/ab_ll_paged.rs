@@ -141,10 +141,10 @@ impl<V: Variant> Scheme for AbPagedList<V> {
         let capacity = config.pages.min(u64::from(NONE));
         Self {
             lock: SpinLock::new(layout),
-            counter: layout.pixel(1),
-            page: layout.pixel(1),
-            taken: layout.global(1),
-            pages: layout.global(WORDS * capacity),
+            counter: layout.named("counter").pixel(1),
+            page: layout.named("page").pixel(1),
+            taken: layout.named("taken").global(1),
+            pages: layout.named("pages").global(WORDS * capacity),
             capacity,
             variant: PhantomData,
         }

@@ -43,10 +43,10 @@ impl Scheme for DynamicFragmentBuffer {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
-            counter: layout.pixel(1),
-            length: layout.pixel(1),
+            counter: layout.named("counter").pixel(1),
+            length: layout.named("length").pixel(1),
             ranges: Ranges::new(config, layout),
-            records: layout.global(config.bounded),
+            records: layout.named("records").global(config.bounded),
         }
     }
 

@@ -110,9 +110,9 @@ impl<V: Variant> Scheme for SBuffer<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
-            counter: layout.pixel(1),
+            counter: layout.named("counter").pixel(1),
             ranges: Ranges::new(config, layout),
-            records: layout.global(config.bounded),
+            records: layout.named("records").global(config.bounded),
             variant: PhantomData,
         }
     }

@@ -152,17 +152,17 @@ impl<V: Variant> Scheme for Adaptive<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(DEFAULT_K);
-        let mut of_node = || layout.pixel(u64::from(k));
-        let [depth, data, passes] = [of_node(), of_node(), of_node()];
+        let mut of_node = |name| layout.named(name).pixel(u64::from(k));
+        let [depth, data, passes] = ["depth", "data", "passes"].map(&mut of_node);
         Self {
             k,
             distances: config.distances,
             lock: SpinLock::new(layout),
-            count: layout.pixel(1),
+            count: layout.named("count").pixel(1),
             depth,
             data,
             passes,
-            sums: layout.pixel(3),
+            sums: layout.named("sums").pixel(3),
             variant: PhantomData,
         }
     }

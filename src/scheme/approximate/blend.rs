@@ -13,7 +13,7 @@ pub(super) struct Blended<const N: usize> {
 
 impl<const N: usize> Blended<N> {
     pub(super) fn new(layout: &mut Layout) -> Self {
-        Self { lock: SpinLock::new(layout), words: layout.pixel(N as u64) }
+        Self { lock: SpinLock::new(layout), words: layout.named("words").pixel(N as u64) }
     }
 
     /// Begin with these values.

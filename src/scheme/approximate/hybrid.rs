@@ -113,10 +113,10 @@ impl<V: Variant> Scheme for Hybrid<V> {
         Self {
             k,
             lock: SpinLock::new(layout),
-            counter: layout.pixel(1),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
-            tail: layout.pixel(if V::TAIL == Tail::Blended { 1 } else { 4 }),
+            counter: layout.named("counter").pixel(1),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
+            tail: layout.named("tail").pixel(if V::TAIL == Tail::Blended { 1 } else { 4 }),
             product: (V::TAIL == Tail::Product).then(|| Passing::new(layout)),
             variant: PhantomData,
         }

@@ -208,10 +208,10 @@ impl Scheme for Mbt {
         Self {
             scale: Scale::new(config.distances),
             moments,
-            sums: layout.pixel(u64::from(moments) + 1),
-            nearest: layout.pixel(1),
-            reference: layout.pixel(1),
-            weighted: layout.pixel(4),
+            sums: layout.named("sums").pixel(u64::from(moments) + 1),
+            nearest: layout.named("nearest").pixel(1),
+            reference: layout.named("reference").pixel(1),
+            weighted: layout.named("weighted").pixel(4),
         }
     }
 

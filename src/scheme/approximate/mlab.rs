@@ -135,10 +135,10 @@ impl<V: Variant> Scheme for Mlab<V> {
         Self {
             k,
             lock: SpinLock::new(layout),
-            count: layout.pixel(1),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
-            behind: layout.pixel(u64::from(k)),
+            count: layout.named("count").pixel(1),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
+            behind: layout.named("behind").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

@@ -21,7 +21,7 @@ pub(super) struct Passing {
 
 impl Passing {
     pub(super) fn new(layout: &mut Layout) -> Self {
-        Self { word: layout.pixel(1), logarithms: logarithms() }
+        Self { word: layout.named("word").pixel(1), logarithms: logarithms() }
     }
 
     pub(super) async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

@@ -123,7 +123,7 @@ impl<V: Variant> Scheme for Stochastic<V> {
         let samples = Samples::new(config, V::OWN);
         Self {
             samples,
-            nearest: layout.pixel(u64::from(samples.count)),
+            nearest: layout.named("nearest").pixel(u64::from(samples.count)),
             passing: V::CORRECTED.then(|| Passing::new(layout)),
             variant: PhantomData,
         }
@@ -280,8 +280,8 @@ impl Scheme for StochasticDepth {
         let samples = Samples::new(config, true);
         Self {
             samples,
-            nearest: layout.pixel(u64::from(samples.count)),
-            sums: layout.pixel(4),
+            nearest: layout.named("nearest").pixel(u64::from(samples.count)),
+            sums: layout.named("sums").pixel(4),
             passing: Passing::new(layout),
         }
     }

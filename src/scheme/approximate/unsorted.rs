@@ -57,7 +57,7 @@ impl Scheme for BlendUnsorted {
     type Holds = Light;
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
-        Self { interlock: Interlock::new(layout), words: layout.pixel(4) }
+        Self { interlock: Interlock::new(layout), words: layout.named("words").pixel(4) }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

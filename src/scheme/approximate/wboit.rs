@@ -146,9 +146,9 @@ impl<V: Variant> Scheme for Wboit<V> {
         Self {
             distances: config.distances,
             weight: config.approximation.weight,
-            sums: layout.pixel(4),
+            sums: layout.named("sums").pixel(4),
             passing: Passing::new(layout),
-            byte: V::EIGHT_BITS.then(|| layout.pixel(1)),
+            byte: V::EIGHT_BITS.then(|| layout.named("byte").pixel(1)),
             variant: PhantomData,
         }
     }

@@ -182,9 +182,9 @@ impl<V: Variant> Scheme for Occupancy<V> {
         Self {
             k: config.k.unwrap_or(8),
             words,
-            near: layout.pixel(1),
-            far: layout.pixel(1),
-            mask: layout.pixel(words.into()),
+            near: layout.named("near").pixel(1),
+            far: layout.named("far").pixel(1),
+            mask: layout.named("mask").pixel(words.into()),
             own_k: layout.input(own_k),
             variant: PhantomData,
         }

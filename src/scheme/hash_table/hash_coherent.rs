@@ -97,8 +97,8 @@ impl<V: Variant> Scheme for HashCoherent<V> {
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
             table: Table::new(config, layout),
-            pool: layout.pool(),
-            nodes: layout.global(config.generated),
+            pool: layout.named("pool").pool(),
+            nodes: layout.named("nodes").global(config.generated),
             variant: PhantomData,
         }
     }

@@ -180,9 +180,9 @@ impl<W: Word> Table<W> {
             let screen = [grid.width, grid.height];
             settings.size = size_for_load(config.generated, DEFAULT_LOAD, screen);
         }
-        let cells = layout.global(settings.cells());
+        let cells = layout.named("cells").global(settings.cells());
         let blocks = grid.width.div_ceil(BLOCK) * grid.height.div_ceil(BLOCK);
-        let largest = layout.global(u64::from(blocks));
+        let largest = layout.named("largest").global(u64::from(blocks));
         layout.grows(cells);
         layout.grows(largest);
         let offsets = settings.offsets().into();

@@ -55,7 +55,11 @@ impl Scheme for KBuffer {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
-        Self { k, depth: layout.pixel(u64::from(k)), data: layout.pixel(u64::from(k)) }
+        Self {
+            k,
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
+        }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

@@ -93,8 +93,8 @@ impl<V: Variant> Scheme for KbMdt32<V> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

@@ -83,7 +83,7 @@ impl<V: Variant> Scheme for KbMdt64<V> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
-        Self { k, entries: layout.pixel(u64::from(k)), variant: PhantomData }
+        Self { k, entries: layout.named("entries").pixel(u64::from(k)), variant: PhantomData }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

@@ -108,12 +108,12 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            from: layout.pixel(1),
-            equal: layout.pixel(1),
-            left: layout.pixel(1),
-            missing: layout.pixel(1),
-            entries: layout.pixel(u64::from(k)),
-            counts: layout.pixel(u64::from(k)),
+            from: layout.named("from").pixel(1),
+            equal: layout.named("equal").pixel(1),
+            left: layout.named("left").pixel(1),
+            missing: layout.named("missing").pixel(1),
+            entries: layout.named("entries").pixel(u64::from(k)),
+            counts: layout.named("counts").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

@@ -78,8 +78,8 @@ impl<V: Variant> Scheme for KbPixelSync<V> {
         Self {
             k,
             interlock: Interlock::new(layout),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

@@ -56,9 +56,9 @@ impl Scheme for KbStencilRouted {
         Self {
             samples,
             interlock: Interlock::new(layout),
-            stencil: layout.pixel(count),
-            depth: layout.pixel(count),
-            data: layout.pixel(count),
+            stencil: layout.named("stencil").pixel(count),
+            depth: layout.named("depth").pixel(count),
+            data: layout.named("data").pixel(count),
         }
     }
 

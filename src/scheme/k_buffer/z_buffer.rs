@@ -83,7 +83,7 @@ impl<V: Variant> Scheme for ZBuffer<V> {
     type Holds = Keys;
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
-        Self { nearest: layout.pixel(1), variant: PhantomData }
+        Self { nearest: layout.named("nearest").pixel(1), variant: PhantomData }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

@@ -83,10 +83,10 @@ impl<L: Locking> Scheme for KPlusArrayPublished<L> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            semaphore: layout.lock(),
-            counter: layout.pixel(1),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
+            semaphore: layout.named("semaphore").lock(),
+            counter: layout.named("counter").pixel(1),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
             locking: PhantomData,
         }
     }

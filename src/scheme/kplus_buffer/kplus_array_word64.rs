@@ -46,7 +46,7 @@ impl Scheme for KPlusArrayWord64 {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let k = config.k.unwrap_or(8);
-        Self { k, entries: layout.pixel(u64::from(k)) }
+        Self { k, entries: layout.named("entries").pixel(u64::from(k)) }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {

@@ -187,9 +187,9 @@ impl<V: Variant> Scheme for KPlusHeap<V> {
         Self {
             k,
             lock: SpinLock::new(layout),
-            counter: layout.pixel(1),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
+            counter: layout.named("counter").pixel(1),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

@@ -89,13 +89,13 @@ impl<V: Variant> Scheme for KPlusMulti<V> {
         let k = config.k.unwrap_or(8);
         Self {
             k,
-            from: layout.pixel(1),
-            emitted: layout.pixel(1),
-            equal: layout.pixel(1),
+            from: layout.named("from").pixel(1),
+            emitted: layout.named("emitted").pixel(1),
+            equal: layout.named("equal").pixel(1),
             lock: SpinLock::new(layout),
-            counter: layout.pixel(1),
-            depth: layout.pixel(u64::from(k)),
-            data: layout.pixel(u64::from(k)),
+            counter: layout.named("counter").pixel(1),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            data: layout.named("data").pixel(u64::from(k)),
             variant: PhantomData,
         }
     }

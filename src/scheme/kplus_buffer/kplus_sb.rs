@@ -132,10 +132,10 @@ impl<V: Variant> Scheme for KPlusSb<V> {
         Self {
             k: config.k.unwrap_or(8),
             lock: SpinLock::new(layout),
-            counter: layout.pixel(1),
+            counter: layout.named("counter").pixel(1),
             ranges: Ranges::new(config, layout),
-            depth: layout.global(config.bounded),
-            data: layout.global(config.bounded),
+            depth: layout.named("depth").global(config.bounded),
+            data: layout.named("data").global(config.bounded),
             variant: PhantomData,
         }
     }

@@ -75,7 +75,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
         let store = DynamicFragmentBuffer::new(config, layout);
-        let near = layout.global(config.bounded);
+        let near = layout.named("near").global(config.bounded);
         let (most, distances) = (config.k.unwrap_or(8), config.distances);
         Self { store, near, most, distances, merge: M::new(config) }
     }

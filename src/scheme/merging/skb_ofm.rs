@@ -100,11 +100,11 @@ impl<K: Kind> Scheme for SkbOfm<K> {
                 b(planes.far) / b(far)
             }),
             lock: SpinLock::new(layout),
-            count: layout.pixel(1),
-            bound: layout.pixel(1),
-            near: layout.pixel(u64::from(k)),
-            depth: layout.pixel(u64::from(k)),
-            sums: layout.pixel(3 * u64::from(k)),
+            count: layout.named("count").pixel(1),
+            bound: layout.named("bound").pixel(1),
+            near: layout.named("near").pixel(u64::from(k)),
+            depth: layout.named("depth").pixel(u64::from(k)),
+            sums: layout.named("sums").pixel(3 * u64::from(k)),
             kind: PhantomData,
         }
     }

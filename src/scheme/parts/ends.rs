@@ -30,12 +30,12 @@ impl Ends {
     #[must_use]
     pub fn new(layout: &mut Layout, runs: u64) -> Self {
         Self {
-            from: layout.pixel(runs),
-            to: layout.pixel(runs),
-            nearest: layout.pixel(runs),
-            farthest: layout.pixel(runs),
-            near_count: layout.pixel(runs),
-            far_count: layout.pixel(runs),
+            from: layout.named("from").pixel(runs),
+            to: layout.named("to").pixel(runs),
+            nearest: layout.named("nearest").pixel(runs),
+            farthest: layout.named("farthest").pixel(runs),
+            near_count: layout.named("near_count").pixel(runs),
+            far_count: layout.named("far_count").pixel(runs),
         }
     }
 

@@ -72,7 +72,7 @@ impl NodeKeys for Whole {
     type Read = u64;
 
     fn new(count: u64, layout: &mut Layout) -> Self {
-        layout.global(count)
+        layout.named("keys").global(count)
     }
 
     #[inline(always)]
@@ -115,7 +115,11 @@ impl<R: Reach<Kind = Atomic> + Copy> NodeKeys for Halves<R> {
     type Read = (u32, u32);
 
     fn new(count: u64, layout: &mut Layout) -> Self {
-        Self { depth: layout.global(count), data: layout.global(count), reach: PhantomData }
+        Self {
+            depth: layout.named("depth").global(count),
+            data: layout.named("data").global(count),
+            reach: PhantomData,
+        }
     }
 
     #[track_caller]
@@ -191,9 +195,9 @@ impl<L: Kind, K: NodeKeys> Lists<L, K> {
     pub fn new(lists: u32, config: &Config, layout: &mut Layout) -> Self {
         let capacity = config.generated.min(u64::from(NONE));
         Self {
-            heads: layout.pixel(lists.into()),
-            pool: layout.pool(),
-            links: layout.global(capacity),
+            heads: layout.named("heads").pixel(lists.into()),
+            pool: layout.named("pool").pool(),
+            links: layout.named("links").global(capacity),
             keys: K::new(capacity, layout),
         }
     }

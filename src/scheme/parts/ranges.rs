@@ -66,9 +66,9 @@ impl Ranges {
     pub fn new(config: &Config, layout: &mut Layout) -> Self {
         let blocks = config.pixels.div_ceil(RADIX);
         Self {
-            offset: layout.pixel(1),
-            blocks: layout.global(u64::from(blocks)),
-            groups: layout.global(u64::from(blocks.div_ceil(RADIX))),
+            offset: layout.named("offset").pixel(1),
+            blocks: layout.named("blocks").global(u64::from(blocks)),
+            groups: layout.named("groups").global(u64::from(blocks.div_ceil(RADIX))),
         }
     }
 

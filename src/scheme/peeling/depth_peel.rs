@@ -128,10 +128,10 @@ impl<V: Variant> Scheme for DepthPeel<V> {
     fn new(config: &Config, layout: &mut Layout) -> Self {
         Self {
             k: config.k.unwrap_or(8),
-            from: layout.pixel(1),
-            left: layout.pixel(1),
-            nearest: layout.pixel(1),
-            count: layout.pixel(1),
+            from: layout.named("from").pixel(1),
+            left: layout.named("left").pixel(1),
+            nearest: layout.named("nearest").pixel(1),
+            count: layout.named("count").pixel(1),
             variant: PhantomData,
         }
     }

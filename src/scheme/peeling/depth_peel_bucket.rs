@@ -53,7 +53,7 @@ impl Scheme for BucketPeel {
 
     fn new(_: &Config, layout: &mut Layout) -> Self {
         let ends = Ends::new(layout, u64::from(BUCKETS));
-        Self { near: layout.pixel(1), far: layout.pixel(1), ends }
+        Self { near: layout.named("near").pixel(1), far: layout.named("far").pixel(1), ends }
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
