@@ -39,5 +39,6 @@ pub struct Work<'a> {
 
 impl Work<'_> {
     /// All of it, one picture per core at once, and nobody is told.
-    pub const SILENT: Work<'static> = Work { jobs: 0, cancelled: &|| false, done: &|| {}, shown: &|_, _| {} };
+    pub const SILENT: Work<'static> =
+        Work { jobs: 0, cancelled: &|| false, done: &|| {}, shown: &|_, _| {} };
 }

@@ -68,8 +68,7 @@ impl<'a> Frame<'a> {
         let exact = Image { width, height, pixels: Vec::new() };
         let mut frame = Self { view, offsets, generated, solids, exact };
         let color = |p: usize| frame.view.color(frame.number(p));
-        frame.exact.pixels =
-            (0..frame.offsets.len() - 1).into_par_iter().map(color).collect();
+        frame.exact.pixels = (0..frame.offsets.len() - 1).into_par_iter().map(color).collect();
         Ok(frame)
     }
 
@@ -114,9 +113,7 @@ impl<'a> Frame<'a> {
     #[must_use]
     pub fn color_of(&self, options: &Options, [x, y]: [u32; 2], extra: &Extra) -> u32 {
         match options.record().data {
-            Data::Primitive => {
-                self.view.front.color_of(extra.data, x, y, extra.depth)
-            }
+            Data::Primitive => self.view.front.color_of(extra.data, x, y, extra.depth),
             _ => extra.data,
         }
     }

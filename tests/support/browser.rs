@@ -132,7 +132,7 @@ impl Browser {
         let url = format!("file://{}", path.display());
         let done = self.call("Page.navigate", json!({ "url": url }));
         assert!(done.get("errorText").is_none(), "{done}");
-        self.wait("document.documentElement.dataset.ready === 'yes'");
+        self.wait("document.documentElement?.dataset.ready === 'yes'");
     }
 
     /// The value of an expression in the page.

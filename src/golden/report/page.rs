@@ -102,7 +102,12 @@ mod tests {
 
     #[test]
     fn what_differs_is_linked_to_its_pictures() {
-        let outcomes = [("a", Status::Same), ("b", Status::Different), ("c", Status::Missing), ("d", Status::Different)];
+        let outcomes = [
+            ("a", Status::Same),
+            ("b", Status::Different),
+            ("c", Status::Missing),
+            ("d", Status::Different),
+        ];
         let report = Report {
             format: 1,
             program: PROGRAM.to_owned(),
@@ -117,7 +122,10 @@ mod tests {
         let picture = |value| Image::filled(3, 2, [value; 4]);
         let shown = BTreeMap::from([
             ("b".to_owned(), Shown { golden: Some(picture(1)), drawn: picture(2) }),
-            ("d".to_owned(), Shown { golden: Some(Image::filled(2, 2, [0; 4])), drawn: picture(2) }),
+            (
+                "d".to_owned(),
+                Shown { golden: Some(Image::filled(2, 2, [0; 4])), drawn: picture(2) },
+            ),
         ]);
         let mut bytes = Vec::new();
         page(&report, &shown).unwrap().write(&mut bytes).unwrap();

@@ -34,7 +34,10 @@ pub(super) const EDGE: u32 = 64;
 pub(super) type Streams = Vec<Vec<u8>>;
 
 /// The pixels of a block, row by row.
-pub(super) fn pixels([width, height]: [u32; 2], block: u32) -> impl Iterator<Item = [u32; 2]> + Clone {
+pub(super) fn pixels(
+    [width, height]: [u32; 2],
+    block: u32,
+) -> impl Iterator<Item = [u32; 2]> + Clone {
     let columns = width.div_ceil(EDGE);
     let (x0, y0) = (block % columns * EDGE, block / columns * EDGE);
     let (x1, y1) = ((x0 + EDGE).min(width), (y0 + EDGE).min(height));

@@ -220,7 +220,7 @@ class Pixels {
       // The method's list: the kept fragments, and what it holds besides, in the order of its words.
       const kept = fragments.filter((_, i) => own.fates[i].fate === "kept").map((fragment) => {
         const [r, g, b, a] = fragment.rgba;
-        const color = (r | g << 8 | b << 16 | a << 24) >>> 0;
+        const color = data === "none" ? 0 : (r | g << 8 | b << 16 | a << 24) >>> 0;
         return { depth: fragment.depth, word: data === "primitive" ? fragment.triangle : color, color };
       });
       const others = own.extra.map(({ depth, data: word, color }) => ({ depth, word, color }));

@@ -128,8 +128,7 @@ pub fn grid(rows: &[Row], [width, height]: [u32; 2]) -> Grid {
         ("dropped", "dropped"),
         ("bytes", "bytes"),
     ];
-    let mut columns: Vec<Column> =
-        own.map(|(name, heading)| Column::new(name, heading)).to_vec();
+    let mut columns: Vec<Column> = own.map(|(name, heading)| Column::new(name, heading)).to_vec();
     columns.extend(errors::columns(THRESHOLD));
     let cells = |row: &Row| {
         let mut cells = vec![Cell::Word(row.title.clone())];

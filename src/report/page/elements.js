@@ -25,23 +25,23 @@ function thousands(number) {
   return String(number).replace(/\B(?=(\d{3})+$)/g, ",");
 }
 
-/** Wait until the whole page is read: what is attached behind the script is there then. */
-function whole() {
-  if (document.readyState !== "loading") return Promise.resolve();
-  return new Promise((done) => document.addEventListener("DOMContentLoaded", done, { once: true }));
+/** The text that is attached under a name, base64, or null if the page is not read so far. */
+function attachedSoFar(name) {
+  const element = document.getElementById(name);
+  if (document.readyState !== "loading" && !element) throw new Error(`the page has no ${name}: is the file whole?`);
+  return element && (element.nextSibling || document.readyState !== "loading") ? element.textContent : null;
 }
 
-/** The text that is attached under a name: base64. */
+/** The same of what stands before the script. */
 function attached(name) {
-  const element = document.getElementById(name);
-  if (!element) throw new Error(`the page has no data ${name}: is the file whole?`);
-  return element.textContent;
+  return document.getElementById(name).textContent;
 }
 
 /** Attached bytes, which are packed in zlib's format. */
 async function unpacked(name) {
-  if (!document.getElementById(name)) await whole();
-  const text = atob(attached(name));
+  let packed = attachedSoFar(name);
+  for (; packed === null; packed = attachedSoFar(name)) await new Promise((done) => setTimeout(done, 20));
+  const text = atob(packed);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));

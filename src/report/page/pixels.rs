@@ -44,7 +44,7 @@ struct Method {
     k: Option<u32>,
     /// `fragments`, `records`, `color` or nothing.
     holds: &'static str,
-    /// The data word that decides between equal depths: `color` or `primitive`.
+    /// The data word that is stored with a depth: `color`, `primitive` or `none`.
     data: &'static str,
     warnings: Vec<String>,
     violations: Vec<String>,
@@ -87,7 +87,8 @@ impl<'a> Blocks<'a> {
             },
             data: match options.record().data {
                 Data::Primitive => "primitive",
-                Data::Color | Data::Nothing => "color",
+                Data::Color => "color",
+                Data::Nothing => "none",
             },
             warnings: report.warnings.clone(),
             violations: report.violations.clone(),
@@ -99,7 +100,12 @@ impl<'a> Blocks<'a> {
 ///
 /// # Errors
 /// None that can be told apart: the compressor's.
-pub fn add(page: &mut Page, pictures: &mut Pictures, scene: &Scene, blocks: Blocks<'_>) -> Result<()> {
+pub fn add(
+    page: &mut Page,
+    pictures: &mut Pictures,
+    scene: &Scene,
+    blocks: Blocks<'_>,
+) -> Result<()> {
     let Blocks { frame, methods, blocks } = blocks;
     let packed: Vec<Vec<u8>> = blocks
         .into_par_iter()

@@ -61,7 +61,9 @@ fn facts(row: &Finding) -> Section {
         pair("instance", row.instance.clone()),
         pair("memory", under(row)),
     ];
-    rows.extend((!row.initial.is_empty()).then(|| pair("memory holds at first", row.initial.clone())));
+    rows.extend(
+        (!row.initial.is_empty()).then(|| pair("memory holds at first", row.initial.clone())),
+    );
     rows.extend(row.steps.map(|steps| pair("steps", steps.to_string())));
     rows.extend((!row.outcomes.is_empty()).then(|| pair("all results", row.outcomes.join("  "))));
     let command = |token: &String| pair("again", format!("fragloom replay {token} --trace"));

@@ -132,7 +132,10 @@ mod tests {
         let text = written(&page());
         assert_eq!(text, written(&page()));
         assert_eq!(text.matches("</script>").count(), 4, "contents, script, two attached");
-        assert_eq!(text.matches("<title>&lt;/script&gt;&lt;!-- &amp; &quot;'{{script}}</title>").count(), 1);
+        assert_eq!(
+            text.matches("<title>&lt;/script&gt;&lt;!-- &amp; &quot;'{{script}}</title>").count(),
+            1
+        );
         assert!(!text.contains("<!--"));
         let json = text.split("id=\"contents\">").nth(1).unwrap().split("</script>").next();
         let contents: serde_json::Value = serde_json::from_str(json.unwrap()).unwrap();
