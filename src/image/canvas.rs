@@ -12,10 +12,7 @@ use embedded_graphics::{Drawable, Pixel};
 use super::Image;
 
 /// Colours and fonts of everything that is composed.
-pub(super) const PAPER: [u8; 3] = [250, 250, 248];
-pub(super) const INK: [u8; 3] = [28, 28, 32];
-pub(super) const QUIET: [u8; 3] = [96, 96, 104];
-pub(super) const FRAME: [u8; 3] = [150, 150, 156];
+pub(super) use super::drawing::look::{FRAME, INK, PAPER, QUIET};
 pub(super) const TITLE: MonoFont<'_> = FONT_9X18_BOLD;
 pub(super) const BODY: MonoFont<'_> = FONT_8X13;
 

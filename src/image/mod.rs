@@ -3,6 +3,7 @@
 
 mod canvas;
 pub mod difference;
+pub(crate) mod drawing;
 pub mod flip;
 pub mod heat;
 #[cfg(test)]

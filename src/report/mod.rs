@@ -10,6 +10,8 @@ pub mod json;
 pub mod npz;
 pub mod page;
 pub mod picture;
+pub mod stability;
 pub mod table;
 pub mod text;
+pub mod timeline;
 pub mod verdicts;

@@ -1,12 +1,15 @@
 //! `fragloom methods`: the catalogue, from the contracts.
 
+use std::path::{Path, PathBuf};
+
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::terminal::{say, wait};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::explore::sample::stability::{self, Stability};
-use crate::report::json;
+use crate::image::png;
 use crate::report::text::{Align, columns};
+use crate::report::{files, json, stability as drawn};
 use crate::scheme::program::Program;
 use crate::scheme::{Contract, Form};
 
@@ -21,6 +24,9 @@ pub(in crate::cli) struct Args {
     /// Derive what every method's result depends on, by drawing scenes with permuted arrival and under many schedules
     #[arg(long, conflicts_with = "all")]
     stability: bool,
+    /// With --stability: draw it, as PNG or SVG by the file's ending; may be given twice [default: not written]
+    #[arg(short = 'o', value_name = "FILE.png|FILE.svg", requires = "stability")]
+    out: Vec<PathBuf>,
 }
 
 /// Print the catalogue.
@@ -42,10 +48,35 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
 
 /// Print the stability matrix. A contract that declares something other than what was observed is a finding.
 fn stability(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
+    for path in &args.out {
+        if is_svg(path).is_none() {
+            let problem = format!("{} must end in .png or .svg", path.display());
+            return Err(Error::new("-o", problem));
+        }
+        files::check_output("-o", path)?;
+    }
+    files::check_distinct(&args.out.iter().map(|path| ("-o", path)).collect::<Vec<_>>())?;
     let rows = wait::during(args.json, "drawing", || stability::derive(catalogue))?;
+    for path in &args.out {
+        let bytes = if is_svg(path) == Some(true) {
+            drawn::svg(&rows).into_bytes()
+        } else {
+            png::encode(&drawn::picture(&rows))
+                .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?
+        };
+        files::write_bytes(path, &bytes)?;
+    }
     let text = if args.json { json::document(&rows)? } else { matrix(&rows) };
     say::result(&text)?;
     Ok(if rows.iter().all(Stability::agrees) { Verdict::Clean } else { Verdict::Found })
+}
+
+fn is_svg(path: &Path) -> Option<bool> {
+    match &path.extension()?.to_str()?.to_ascii_lowercase()[..] {
+        "svg" => Some(true),
+        "png" => Some(false),
+        _ => None,
+    }
 }
 
 fn matrix(rows: &[Stability]) -> String {

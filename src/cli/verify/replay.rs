@@ -8,8 +8,10 @@ use crate::cli::options::flags::Output;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
+use crate::explore::Subject;
 use crate::explore::program::controls;
 use crate::explore::replay::slabs::slabs;
+use crate::explore::replay::timeline::{Timeline, timeline_of};
 use crate::explore::replay::token::{LitmusToken, SceneToken};
 use crate::explore::replay::{Replay, replay};
 use crate::explore::sample::minimise::{minimise_litmus, minimise_scene};
@@ -17,7 +19,7 @@ use crate::explore::sample::{SceneReplay, replay_scene};
 use crate::explore::{Limits, Token};
 use crate::image::{Image, png};
 use crate::report::text::{Align, columns};
-use crate::report::{files, json, table};
+use crate::report::{files, json, table, timeline};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
@@ -35,10 +37,12 @@ pub(in crate::cli) struct Args {
     #[arg(long)]
     minimise: bool,
 
-    /// Write the picture of a scene's token, or the trace of a pixel's token, into a folder; of a method that merges, the
-    /// slabs as well, and what they become in every order of arrival [default: not written]
-    #[arg(short = 'o', value_name = "DIR")]
-    out: Option<PathBuf>,
+    /// Write the timeline of a pixel's token, by the ending: .svg or .png draws it, .html is a page to step through,
+    /// .json is its data. Any other name is a folder, which gets the trace, or the picture of a scene's token; of a method
+    /// that merges, the slabs as well, and what they become in every order of arrival. May be given several times
+    /// [default: not written]
+    #[arg(short = 'o', value_name = "FILE|DIR")]
+    out: Vec<PathBuf>,
 
     #[command(flatten)]
     output: Output,
@@ -50,6 +54,7 @@ pub(in crate::cli) struct Args {
 /// A token that is damaged, of another version, or for something that has changed since.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let token: Token = args.token.parse()?;
+    check_outputs(args, &token)?;
     let interrupt = Interrupt::watch();
     let cancelled = || interrupt.pressed();
     let limits = Limits { states: 2_000_000, cancelled: &cancelled };
@@ -77,16 +82,32 @@ fn litmus(
         story(args, &token, &replayed)
     };
     say::result(&text)?;
-    if let Some(folder) = &args.out {
-        files::write_bytes(&folder.join("trace.txt"), trace(&replayed).as_bytes())?;
-        let subject = controls::find(catalogue, "TOKEN", &token.method)?;
-        if let Some(plot) = slabs(&subject, &token.litmus) {
-            files::write_bytes(&folder.join("slabs.svg"), plot.svg().as_bytes())?;
-            write_picture(folder, "slabs.png", &plot.draw())?;
+    let subject = controls::find(catalogue, "TOKEN", &token.method)?;
+    for path in &args.out {
+        match Ending::of(path) {
+            Some(ending) if !path.is_dir() => {
+                let timeline = timeline_of(&subject, &token)?;
+                files::write_bytes(path, &ending.bytes(&timeline, path)?)?;
+            }
+            _ => write_folder(path, &subject, &token, &replayed)?,
         }
     }
     let shown = replayed.run.violations().next().is_some() || replayed.cycle > 0;
     Ok(if shown { Verdict::Found } else { Verdict::Clean })
+}
+
+fn write_folder(
+    folder: &Path,
+    subject: &Subject,
+    token: &LitmusToken,
+    replayed: &Replay,
+) -> Result<()> {
+    files::write_bytes(&folder.join("trace.txt"), trace(replayed).as_bytes())?;
+    if let Some(plot) = slabs(subject, &token.litmus) {
+        files::write_bytes(&folder.join("slabs.svg"), plot.svg().as_bytes())?;
+        write_picture(folder, "slabs.png", &plot.draw())?;
+    }
+    Ok(())
 }
 
 fn write_picture(folder: &Path, name: &str, image: &Image) -> Result<()> {
@@ -173,15 +194,17 @@ fn scene(
     }
     let again = || replay_scene(catalogue, token);
     let replayed = wait::during(quiet, "replaying", again)?;
-    if let Some(folder) = &args.out {
+    for folder in args.out.iter().filter(|path| Ending::of(path).is_none()) {
         write_picture(folder, "replay.png", &replayed.rendering.image)?;
     }
     if args.minimise {
         let cut = || minimise_scene(&replayed.scene, &replayed.options, limits);
         let smaller = wait::during(quiet, "minimising", cut)?;
+        let timelines = args.out.iter().filter(|path| Ending::of(path).is_some());
+        let timelines = timelines.cloned().collect();
         return litmus(
             catalogue,
-            &Args { token: String::new(), minimise: true, out: None, ..args.copy() },
+            &Args { token: String::new(), minimise: true, out: timelines, ..args.copy() },
             &smaller,
             limits,
         );
@@ -200,6 +223,54 @@ fn report(args: &Args, replayed: &SceneReplay) -> Result<Verdict> {
     };
     say::result(&text)?;
     Ok(if replayed.is_wrong() { Verdict::Found } else { Verdict::Clean })
+}
+
+/// What a timeline is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ending {
+    Svg,
+    Png,
+    Html,
+    Json,
+}
+
+impl Ending {
+    /// By a file's ending; `None` for a folder.
+    fn of(path: &Path) -> Option<Self> {
+        match &path.extension()?.to_str()?.to_ascii_lowercase()[..] {
+            "svg" => Some(Self::Svg),
+            "png" => Some(Self::Png),
+            "html" | "htm" => Some(Self::Html),
+            "json" => Some(Self::Json),
+            _ => None,
+        }
+    }
+
+    fn bytes(self, timeline: &Timeline, path: &Path) -> Result<Vec<u8>> {
+        Ok(match self {
+            Self::Svg => timeline::svg(timeline)?.into_bytes(),
+            Self::Html => timeline::page(timeline)?.into_bytes(),
+            Self::Json => json::document(timeline)?.into_bytes(),
+            Self::Png => png::encode(&timeline::picture(timeline)?)
+                .map_err(|error| Error::new(path.display().to_string(), error.to_string()))?,
+        })
+    }
+}
+
+/// Before anything runs: a name that cannot be meant, or cannot be written.
+fn check_outputs(args: &Args, token: &Token) -> Result<()> {
+    for path in &args.out {
+        let ending = Ending::of(path).filter(|_| !path.is_dir());
+        if ending.is_none() {
+            continue;
+        }
+        if matches!(token, Token::Scene(_)) && !args.minimise {
+            let problem = "a timeline is of a pixel: --minimise cuts a scene's token down to one";
+            return Err(Error::new("-o", problem));
+        }
+        files::check_output("-o", path)?;
+    }
+    files::check_distinct(&args.out.iter().map(|path| ("-o", path)).collect::<Vec<_>>())
 }
 
 impl Args {

@@ -1,7 +1,8 @@
 //! Curves with common axes, as an SVG drawing (plain text) and as a picture: the same bytes everywhere.
 
-mod raster;
-mod svg;
+mod shapes;
+
+use super::drawing::look::{Ink, LETTER, LINE, SERIES};
 
 /// Where a line ends and another of the same curve begins.
 pub const GAP: [f64; 2] = [f64::NAN; 2];
@@ -69,29 +70,10 @@ const LEFT: f64 = 70.0;
 const RIGHT: f64 = 20.0;
 const TOP: f64 = 50.0;
 const BOTTOM: f64 = 60.0;
-/// From one name in the legend to the next.
-const LINE: f64 = 18.0;
 /// From the legend's left edge to its names: a stroke of the curve stands before each.
 const SAMPLE: f64 = 30.0;
 /// The edge of a mark.
 const MARK: f64 = 6.0;
-/// The width of a letter in the legend, about.
-const LETTER: f64 = 8.0;
-
-/// Colours that most eyes can distinguish (Okabe, Ito 2008), without the yellow.
-const COLORS: [[u8; 3]; 7] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [0, 0, 0],
-    [86, 180, 233],
-    [230, 159, 0],
-];
-
-/// The colour of wide curves.
-const BENEATH: [u8; 3] = [190, 190, 190];
-
 /// Lengths of strokes and gaps in turn. There are as many as have no factor in common with the colours, so that every
 /// pair of both comes up.
 const DASHES: [&[u32]; 4] = [&[], &[9, 5], &[3, 4], &[12, 4, 3, 4]];
@@ -99,7 +81,7 @@ const DASHES: [&[u32]; 4] = [&[], &[9, 5], &[3, 4], &[12, 4, 3, 4]];
 /// What a curve looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Style {
-    color: [u8; 3],
+    ink: Ink,
     width: u32,
     /// Of [`DASHES`].
     dashes: &'static [u32],
@@ -114,16 +96,16 @@ impl Plot {
         self.curves.iter().map(move |curve| {
             let turn = match curve.stroke {
                 Stroke::Wide => {
-                    let (color, width, dashes) = (BENEATH, 7, &[][..]);
-                    return (curve, Style { color, width, dashes, marked: false });
+                    let (ink, width, dashes) = (Ink::Beneath, 7, &[][..]);
+                    return (curve, Style { ink, width, dashes, marked: false });
                 }
-                Stroke::Plain | Stroke::Marked => place / COLORS.len(),
+                Stroke::Plain | Stroke::Marked => place / SERIES,
                 Stroke::Over => place,
             };
-            let color = COLORS[place % COLORS.len()];
+            let ink = Ink::Series(place % SERIES);
             place += 1;
             let (dashes, marked) = (DASHES[turn % DASHES.len()], curve.stroke == Stroke::Marked);
-            (curve, Style { color, width: 2, dashes, marked })
+            (curve, Style { ink, width: 2, dashes, marked })
         })
     }
 
@@ -142,7 +124,7 @@ impl Plot {
     fn legend(&self, axes: &Axes) -> [f64; 2] {
         let longest = self.curves.iter().map(|curve| curve.name.chars().count()).max();
         let size = [
-            SAMPLE + LETTER * longest.unwrap_or(0) as f64,
+            SAMPLE + LETTER[0] * longest.unwrap_or(0) as f64,
             LINE * (self.curves.len() as f64 + 0.5),
         ];
         let top_left = [LEFT + 12.0, TOP];
@@ -278,7 +260,7 @@ mod tests {
         assert_eq!(plain.svg().matches("<rect").count() + 1, marked.svg().matches("<rect").count());
         let colored = |plot: &Plot| {
             let pixels = plot.draw().pixels;
-            pixels.iter().filter(|pixel| pixel[..3] == COLORS[0]).count()
+            pixels.iter().filter(|pixel| pixel[..3] == Ink::Series(0).color(false)).count()
         };
         assert_eq!(colored(&plain) + 12 * 12, colored(&marked));
     }

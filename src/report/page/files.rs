@@ -4,7 +4,8 @@
 pub(super) const FRAME: &str = include_str!("index.html");
 
 /// How it looks.
-pub(super) const STYLE: &[&str] = &[include_str!("page.css"), include_str!("viewer.css")];
+pub(super) const STYLE: &[&str] =
+    &[include_str!("page.css"), include_str!("viewer.css"), include_str!("timeline.css")];
 
 /// What it does: one script, in this order.
 pub(super) const SCRIPTS: &[&str] = &[
@@ -14,5 +15,6 @@ pub(super) const SCRIPTS: &[&str] = &[
     include_str!("plot.js"),
     include_str!("inspector.js"),
     include_str!("viewer.js"),
+    include_str!("timeline.js"),
     include_str!("page.js"),
 ];

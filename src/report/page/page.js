@@ -1,7 +1,13 @@
 // The page: its sections one below the other, and the keys that work everywhere.
 
 /** What shows each kind of section: it gets a place and the section, and may return keys. */
-const kinds = { facts, table, pictures };
+const kinds = { facts, table, pictures, timeline: interleaving };
+
+function interleaving(place, data) {
+  const box = el("div");
+  place.append(box);
+  timeline(box, data);
+}
 
 const KEYS = [
   ["click, Enter", "look at a pixel of the pictures"],
@@ -10,6 +16,7 @@ const KEYS = [
   ["drag", "move the zoomed pictures, or the line between two"],
   ["[  ]", "the picture on the right: the one before, the next"],
   ["{  }", "the picture on the left"],
+  ["\u2190  \u2192  Home  End  F", "in a timeline: one step back, one on, the first, the last, the fault"],
   ["Tab", "to the next control"],
   ["?", "this list"],
 ];

@@ -9,6 +9,8 @@ use sha2::{Digest as _, Sha256};
 use super::Page;
 use super::files::{FRAME, SCRIPTS, STYLE};
 use crate::error::{Error, Result};
+use crate::image::drawing::escaped;
+use crate::report::timeline::page::in_script;
 
 impl Page {
     /// Write the page.
@@ -47,7 +49,7 @@ impl Page {
     fn contents(&self) -> Result<String> {
         let text = serde_json::to_string(&self.sections);
         let text = text.map_err(|error| Error::new("the page", error.to_string()))?;
-        Ok(text.replace('<', "\\u003c"))
+        Ok(in_script(&text))
     }
 }
 
@@ -66,21 +68,6 @@ fn marked(text: &str) -> Option<(&str, &str, &str)> {
 /// As a content security policy names it.
 fn fingerprint(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text.as_bytes())))
-}
-
-/// Text between tags, or within quotes.
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            c => safe.push(c),
-        }
-    }
-    safe
 }
 
 /// Data in elements that browsers leave alone.

@@ -54,13 +54,19 @@ pub fn timeline_of(subject: &Subject, token: &LitmusToken) -> Result<Timeline> {
     Ok(maker.timeline(&replayed))
 }
 
-/// The words that a timeline shows, by their places in the layout.
+/// The words that a timeline shows, by their places in the layout: those that are accessed, or do not keep their first
+/// value.
 fn shown(memory: &Memory, run: &Run) -> Vec<usize> {
     let accessed =
         |at: &Address| run.events.iter().any(|e| e.operation.is_some_and(|o| o.0 == *at));
-    let changed = |word| memory.steps.iter().flat_map(|seen| &seen.changes).any(|c| c.word == word);
+    let changes = || memory.steps.iter().flat_map(|seen| &seen.changes);
+    let newest = |change: &watch::Change| change.versions.last().and_then(|version| version.value);
+    let changed = |word: usize, first: Option<u64>| {
+        changes().any(|change| change.word == word && newest(change) != first)
+    };
     let all = memory.initial.iter().enumerate();
-    all.filter(|(i, (at, _))| accessed(at) || changed(*i)).map(|(i, _)| i).collect()
+    let shown = all.filter(|(i, (at, first))| accessed(at) || changed(*i, *first));
+    shown.map(|(i, _)| i).collect()
 }
 
 /// Hexadecimal, as everywhere.
@@ -302,13 +308,16 @@ impl Maker<'_> {
             value: version.value.map(hex),
             by: version.by.map(|step| step + 1),
         };
-        let change = |change: &watch::Change| Change {
-            word: self.shown.iter().position(|&word| word == change.word).unwrap_or_default(),
-            value: change.versions.last().and_then(|version| version.value).map(hex),
-            versions: change.versions.iter().filter(|_| relaxed).map(version).collect(),
-            oldest: change.oldest.clone(),
+        let change = |change: &watch::Change| {
+            let word = self.shown.iter().position(|&word| word == change.word)?;
+            Some(Change {
+                word,
+                value: change.versions.last().and_then(|version| version.value).map(hex),
+                versions: change.versions.iter().filter(|_| relaxed).map(version).collect(),
+                oldest: change.oldest.clone(),
+            })
         };
-        seen.changes.iter().map(change).collect()
+        seen.changes.iter().filter_map(change).collect()
     }
 
     fn fences(&self, action: Action) -> Option<Fences> {

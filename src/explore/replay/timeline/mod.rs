@@ -20,7 +20,6 @@ pub const VERSION: u32 = 1;
 
 /// A schedule of a litmus pixel, as it ran.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Timeline {
     /// The version of this format: 1.
     pub version: u32,
@@ -66,7 +65,6 @@ pub struct Timeline {
 
 /// A fragment of the litmus pixel.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Fragment {
     /// A, B, C and so on: the letter of the lane that stores it.
     pub name: String,
@@ -87,7 +85,6 @@ pub struct Fragment {
 
 /// What runs between two barriers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Stage {
     /// The name of its first pass, `clear` or `resolve`.
     pub name: String,
@@ -101,7 +98,6 @@ pub struct Stage {
 
 /// An invocation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Lane {
     /// As `--trace` heads its column: letter, depth and data, or what it does.
     pub name: String,
@@ -117,7 +113,6 @@ pub struct Lane {
 
 /// What an invocation does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
     /// Nothing, in this stage.
@@ -138,7 +133,6 @@ pub enum Task {
 
 /// A word of memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Word {
     /// The method's name for it, as `depth[1]`; with the pixel, if there are several. Its address if it has no name.
     pub name: String,
@@ -156,7 +150,6 @@ pub struct Word {
 
 /// One operation of one invocation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Step {
     /// Its number, from 1 on.
     pub number: usize,
@@ -208,7 +201,6 @@ pub struct Step {
 
 /// What a step does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Operation {
@@ -229,7 +221,6 @@ pub enum Operation {
 
 /// How an access is ordered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Ordering {
@@ -242,7 +233,6 @@ pub enum Ordering {
 
 /// Memory barriers around an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct Fences {
     pub before: bool,
@@ -251,7 +241,6 @@ pub struct Fences {
 
 /// What a step does to a lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Locking {
     /// It takes it.
@@ -264,7 +253,6 @@ pub enum Locking {
 
 /// Where a value that was read comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Source {
     /// The step that wrote it; null if none did: it was there before.
     pub step: Option<usize>,
@@ -275,7 +263,6 @@ pub struct Source {
 
 /// A word after a step.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Change {
     /// The word.
     pub word: usize,
@@ -290,7 +277,6 @@ pub struct Change {
 
 /// One of a word's values.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Version {
     /// The value, hexadecimal; null if it was never written.
     pub value: Option<String>,
@@ -300,7 +286,6 @@ pub struct Version {
 
 /// A property that fails.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Wrong {
     /// The property's name.
     pub property: String,
@@ -310,7 +295,6 @@ pub struct Wrong {
 
 /// What goes wrong.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Fault {
     /// The property that fails: the token's, if it is among those.
     pub property: String,
@@ -326,7 +310,6 @@ pub struct Fault {
 
 /// What the marked step of a fault is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Shown {
     /// The property fails at the step itself.
@@ -341,7 +324,6 @@ pub enum Shown {
 
 /// Steps that led to a fault.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Cause {
     /// How they did.
     pub kind: CauseKind,
@@ -353,7 +335,6 @@ pub struct Cause {
 
 /// How steps led to a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum CauseKind {
     /// An invocation reads a word, another writes it, and the first writes it without having read it again.
@@ -372,7 +353,6 @@ pub enum CauseKind {
 
 /// What a pixel holds in the end.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Pixel {
     /// The pixel.
     pub pixel: u32,
