@@ -2,12 +2,13 @@
 
 use super::*;
 
-const PIXELS: [[u32; 2]; 7] = [[50, 40], [63, 63], [64, 64], [45, 30], [52, 20], [70, 66], [1, 1]];
+/// In two blocks of pixels, some with entries that no fragment has, one under the slider's line, one without fragments.
+const PIXELS: [[u32; 2]; 7] = [[50, 40], [32, 48], [35, 40], [65, 40], [68, 44], [53, 24], [1, 1]];
 
 #[test]
 fn a_clicked_pixel_is_that_of_inspect() {
     let Some(mut browser) = Browser::start() else { return };
-    let (mut lost, mut fragments) = (0, 0);
+    let (mut lost, mut extra, mut fragments) = (0, 0, 0);
     for data in [Data::Color, Data::Primitive] {
         let dir = Dir::new();
         let (path, _) = written(&dir, data);
@@ -17,6 +18,7 @@ fn a_clicked_pixel_is_that_of_inspect() {
             let found = inspect(&scene(), &methods(data), pixel).expect("inspected");
             assert_eq!(differences(&mut browser, &found), Vec::<String>::new());
             lost += found.methods[0].fates.iter().filter(|f| f.fate.name() == "lost").count();
+            extra += found.methods[0].extra.len();
             fragments += found.fragments.len();
             // The plot has a curve for the exact answer and for each method that absorbs.
             let curves = browser.eval("document.querySelectorAll('.plot polyline').length");
@@ -25,6 +27,7 @@ fn a_clicked_pixel_is_that_of_inspect() {
         }
     }
     assert!(lost > 0 && fragments > 30, "{lost} of {fragments} are lost");
+    assert!(extra > 0, "no entry is there that is no fragment's");
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 

@@ -99,10 +99,11 @@ fn a_timeline_is_stepped_to_its_fault() {
 
     // A page with another fault, or with a step that does something else, is seen to be wrong.
     let text = fs::read_to_string(&path).expect("a page");
-    let fault = format!("\"step\":{},\"shown\"", right.len());
+    let fault = |step: usize| format!("\"shown\":\"doomed-after\",\"step\":{step}}}");
     for (from, to) in [
-        (fault, format!("\"step\":{},\"shown\"", right.len() - 1)),
-        ("\"changes\":[{\"word\":0".to_owned(), "\"changes\":[{\"word\":1".to_owned()),
+        (fault(right.len()), fault(right.len() - 1)),
+        ("\"short\":\"load data".to_owned(), "\"short\":\"load other".to_owned()),
+        ("\"value\":\"20\"".to_owned(), "\"value\":\"21\"".to_owned()),
     ] {
         let wrong = text.replacen(&from, &to, 1);
         assert_ne!(wrong, text, "{from}");
@@ -156,7 +157,7 @@ fn a_report_of_a_check_is_refused_where_it_would_overwrite() {
     for (line, words) in [
         ("check kb --report page.txt", &["--report:", ".html"][..]),
         ("check kb --report no/page.html", &["--report:", "no"]),
-        ("check kb --mutations --report page.html", &["--report"]),
+        ("check --mutations --report page.html", &["--report"]),
     ] {
         dir.run(line).is_error(words);
     }

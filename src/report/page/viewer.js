@@ -31,16 +31,25 @@ function pictures(place, { size, pictures: all, pixels }) {
   }, layers[0], cut, mark, line);
   stage.style.aspectRatio = `${width} / ${height}`;
   panels.push({ frame: stage, images: layers, mark });
-  reach(stage);
+  // A click on the line is one on the picture below it.
+  const placeOnStage = reach(stage);
   line.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
     line.setPointerCapture(event.pointerId);
     event.stopPropagation();
+    let dragged = false;
     line.onpointermove = (moved) => {
+      dragged ||= Math.abs(moved.clientX - event.clientX) >= 4;
+      if (!dragged) return;
       const { left, width: wide } = stage.getBoundingClientRect();
       state.split = Math.min(Math.max((moved.clientX - left) / wide * 100, 0), 100);
       show();
     };
-    line.onpointerup = () => { line.onpointermove = null; };
+    line.onpointerup = (end) => {
+      end.stopPropagation();
+      line.onpointermove = null;
+      if (!dragged) choose(placeOnStage(end), false);
+    };
   });
 
   const choice = (label, side) => {
@@ -142,7 +151,7 @@ function pictures(place, { size, pictures: all, pixels }) {
     look?.show(pixel);
   }
 
-  /** Clicks, drags and wheels on a panel. */
+  /** Clicks, drags and wheels on a panel; gives the pixel that an event is at. */
   function reach(frame) {
     const placeOf = ({ clientX, clientY }) => {
       const box = frame.getBoundingClientRect();
@@ -150,6 +159,8 @@ function pictures(place, { size, pictures: all, pixels }) {
       const at = (client, start, long, t, whole) => ((client - start) / long * 100 - t) / (100 * state.zoom) * whole;
       return [at(clientX, box.left, box.width, tx, width), at(clientY, box.top, box.height, ty, height)];
     };
+    const pixelOf = (event) =>
+      placeOf(event).map((c, axis) => Math.min(Math.max(Math.floor(c), 0), size[axis] - 1));
     let from = null;
     frame.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
@@ -169,8 +180,7 @@ function pictures(place, { size, pictures: all, pixels }) {
     });
     frame.addEventListener("pointerup", (event) => {
       if (from && !from.dragged) {
-        const at = placeOf(event).map((c, axis) => Math.min(Math.max(Math.floor(c), 0), size[axis] - 1));
-        choose(at, false);
+        choose(pixelOf(event), false);
       }
       from = null;
     });
@@ -181,6 +191,7 @@ function pictures(place, { size, pictures: all, pixels }) {
       event.preventDefault();
       zoom(event.deltaY < 0 ? 1.25 : 0.8, placeOf(event));
     }, { passive: false });
+    return pixelOf;
   }
 
   const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

@@ -120,7 +120,8 @@ mod tests {
         assert_eq!(text, written(&page()));
         assert_eq!(text.matches("</script>").count(), 4, "contents, script, two attached");
         assert_eq!(
-            text.matches("<title>&lt;/script&gt;&lt;!-- &amp; &quot;'{{script}}</title>").count(),
+            text.matches("<title>&lt;/script&gt;&lt;!-- &amp; &quot;&#39;{{script}}</title>")
+                .count(),
             1
         );
         assert!(!text.contains("<!--"));
