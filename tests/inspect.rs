@@ -5,6 +5,7 @@ mod support;
 #[path = "support/toys/mod.rs"]
 mod toys;
 
+use fragloom::inspect::frame::Frame;
 use fragloom::inspect::{Became, Inspected, Inspection, inspect};
 use fragloom::num::depth::Format;
 use fragloom::render::{Data, Effect, Exec, Options, Shadows, Sim, reference};
@@ -286,4 +287,63 @@ fn curves_are_steps_from_end_to_end() {
             assert!(moves == [true, false] || moves == [false, true], "{pair:?}");
         }
     }
+}
+
+/// A frame says of every pixel what `inspect` says of it, for methods of every kind.
+#[test]
+fn a_frame_tells_the_same_of_every_pixel() {
+    let sim = Exec::Sim(Sim { resident: 96, ..Sim::default() });
+    let kinds = [
+        ("kplus-array", Data::Color),
+        ("kb", Data::Primitive),
+        ("kb", Data::Color),
+        ("ab-ll", Data::Color),
+        ("ha64-cull", Data::Color),
+        ("dfb+ofm", Data::Color),
+        ("skb+ofm", Data::Color),
+        ("wboit", Data::Color),
+        ("stochastic", Data::Color),
+    ];
+    for scene in small_scenes() {
+        let mut extra = 0;
+        for (name, data) in kinds {
+            let all = [Options { data, exec: sim.clone(), ..options(name, None) }];
+            let frame = Frame::new(&scene, &all).expect("a frame");
+            let [width, height] = scene.size;
+            assert_eq!(frame.exact, draw(&scene, &options("exact", None)).image, "{}", scene.name);
+            let pixels = [[0, 0], [width / 2, height / 2], [11, 6], [width - 1, height - 1]];
+            frame
+                .draw(&all[0], |drawn| {
+                    for pixel in pixels {
+                        let found = inspect(&scene, &all, pixel).expect("inspected");
+                        let generated = frame.pixel(pixel);
+                        assert_eq!(generated.len(), found.fragments.len());
+                        for (own, other) in generated.iter().zip(&found.fragments) {
+                            let rgba = own.color.to_le_bytes();
+                            let own = (own.triangle, own.depth, rgba);
+                            assert_eq!(own, (other.triangle, other.depth, other.rgba));
+                        }
+                        let method = &found.methods[0];
+                        assert_eq!(drawn.title(), method.title());
+                        let look = drawn.look(pixel);
+                        assert_eq!(look.fates, method.fates, "{name} {pixel:?} {}", scene.name);
+                        assert_eq!((&look.records, &look.extra), (&method.records, &method.extra));
+                        assert_eq!(look.absorbed.to_bits(), method.absorbed.to_bits());
+                        assert_eq!(look.absorbance, method.absorbance);
+                        extra += look.extra.len();
+                    }
+                })
+                .expect("drawn");
+        }
+        println!("{}: {extra} entries that are no fragment's", scene.name);
+    }
+}
+
+#[test]
+fn a_frame_that_does_not_fit_is_refused() {
+    let small = Options { max_memory: 1_000, ..Options::default() };
+    let error = Frame::new(&layers(6), &[small]).map(|_| ()).expect_err("too many fragments");
+    assert_eq!(error.place(), "--max-memory");
+    let depths = Frame::new(&layers(2), &[options("occupancy", None)]);
+    assert_eq!(depths.map(|_| ()).expect_err("no lists").place(), "-m");
 }

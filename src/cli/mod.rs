@@ -23,7 +23,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::catalogue::{Catalogue, nearest};
 use crate::error::Result;
-use draw::{bench, compare, export, inspect, render};
+use draw::{bench, compare, export, inspect, render, report};
 pub use golden::CommandLine;
 #[cfg(feature = "gpu")]
 use list::adapters;
@@ -52,6 +52,8 @@ enum Command {
     Compare(Box<compare::Args>),
     /// Draw a scene with some methods and show one pixel: its fragments, what became of each, and the absorbance.
     Inspect(Box<inspect::Args>),
+    /// Draw a scene with some methods and write a page for browsers: pictures, errors, and the fragments of every pixel.
+    Report(Box<report::Args>),
     /// Write a scene as glTF for other renderers, with what they should draw, and where they may differ.
     Export(Box<export::Args>),
     /// Explore interleavings; say what is verified, violated or unknown.
@@ -122,6 +124,7 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(catalogue, args),
         Command::Inspect(args) => inspect::run(catalogue, args),
+        Command::Report(args) => report::run(catalogue, args),
         Command::Export(args) => export::run(args),
         Command::Check(args) => check::run(catalogue, args),
         Command::Replay(args) => replay::run(catalogue, args),

@@ -43,11 +43,25 @@ impl Solids {
         &self.names
     }
 
+    /// The meshes in the order of their triangles.
+    #[must_use]
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
     /// The mesh that a triangle belongs to; `None` for screen triangles.
     #[inline]
     #[must_use]
     pub fn part(&self, triangle: u32) -> Option<Part> {
         let place = self.parts.partition_point(|part| part.end <= triangle);
         self.parts.get(place).copied()
+    }
+}
+
+impl Part {
+    /// The first triangle behind it.
+    #[must_use]
+    pub fn end(&self) -> u32 {
+        self.end
     }
 }

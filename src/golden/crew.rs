@@ -54,7 +54,7 @@ mod tests {
         for jobs in [0, 1, 3, 50] {
             let (told, seen) = (Cell::new(0), Mutex::new(Vec::new()));
             let done = || told.set(told.get() + 1);
-            let work = Work { jobs, cancelled: &|| false, done: &done };
+            let work = Work { jobs, done: &done, ..Work::SILENT };
             let found = all(20, &work, |number, threads| {
                 seen.lock().unwrap().push(number);
                 assert!(threads > 0);
@@ -72,7 +72,7 @@ mod tests {
     fn what_is_cancelled_is_not_begun() {
         let begun = Mutex::new(0);
         let cancelled = || *begun.lock().unwrap() >= 3;
-        let work = Work { jobs: 1, cancelled: &cancelled, done: &|| {} };
+        let work = Work { jobs: 1, cancelled: &cancelled, ..Work::SILENT };
         let found = all(9, &work, |_, _| *begun.lock().unwrap() += 1);
         assert_eq!(found.iter().filter(|found| found.is_some()).count(), 3);
         assert!(found[3..].iter().all(Option::is_none));

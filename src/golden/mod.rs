@@ -19,7 +19,7 @@ pub use manifest::{Entry, Input, MANIFEST, Manifest, Results, relative};
 pub use outcome::{Apart, Outcome, Status};
 pub use partition::{Partition, share};
 pub use record::{Plan, record};
-pub use report::{Report, junit, merge, read, table};
+pub use report::{Report, Shown, junit, merge, page, read, table};
 pub use verify::{Settings, verify};
 
 /// This program's version, as manifests and reports have it.
@@ -33,9 +33,12 @@ pub struct Work<'a> {
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
     /// Told after every picture.
     pub done: &'a dyn Fn(),
+    /// Told of every picture that [`verify()`] finds to be another one, with its entry's name.
+    pub shown: &'a (dyn Fn(&str, Shown) + Sync),
 }
 
 impl Work<'_> {
     /// All of it, one picture per core at once, and nobody is told.
-    pub const SILENT: Work<'static> = Work { jobs: 0, cancelled: &|| false, done: &|| {} };
+    pub const SILENT: Work<'static> =
+        Work { jobs: 0, cancelled: &|| false, done: &|| {}, shown: &|_, _| {} };
 }

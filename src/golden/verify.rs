@@ -9,7 +9,7 @@ use super::manifest::{Entry, Hashes, Manifest, inputs};
 use super::outcome::{Apart, Outcome, Status};
 use super::partition::Partition;
 use super::record::recorded;
-use super::report::Report;
+use super::report::{Report, Shown};
 use super::{PROGRAM, Work, crew, save};
 use crate::error::{Error, Result};
 use crate::exec::clock::Stopwatch;
@@ -54,7 +54,7 @@ pub fn verify(
         ..Report::new(manifest, &chosen)
     };
     let hashes = Hashes::default();
-    let judge = Judge { manifest, draw, settings, hashes: &hashes };
+    let judge = Judge { manifest, draw, settings, hashes: &hashes, shown: work.shown };
     let found =
         crew::all(chosen.len(), work, |number, threads| judge.entry(chosen[number], threads));
     let cancelled = found.iter().any(Option::is_none);
@@ -92,6 +92,7 @@ struct Judge<'a> {
     draw: &'a dyn Draw,
     settings: &'a Settings<'a>,
     hashes: &'a Hashes,
+    shown: &'a (dyn Fn(&str, Shown) + Sync),
 }
 
 impl Judge<'_> {
@@ -206,7 +207,9 @@ impl Judge<'_> {
             (Ok(_), false, None) => outcome(Status::Different, String::new()),
         };
         if wrong.contains(&"image_hash".to_owned()) {
-            self.show(entry, golden.ok().flatten().as_ref(), drawn, &mut found)?;
+            let golden = golden.ok().flatten();
+            self.show(entry, golden.as_ref(), drawn, &mut found)?;
+            (self.shown)(&entry.name, Shown { golden, drawn: drawn.image.clone() });
         } else if !wrong.is_empty() {
             append(
                 &mut found.why,

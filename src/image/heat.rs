@@ -30,6 +30,17 @@ fn step(value: f64, most: f64) -> u8 {
 }
 
 impl Map<'_> {
+    /// The colours alone, a pixel for every number.
+    #[must_use]
+    pub fn plain(&self) -> Image {
+        let color = |&value: &f64| {
+            let [r, g, b] = ramp::color(step(value, self.most));
+            [r, g, b, 255]
+        };
+        let pixels = self.values.iter().map(color).collect();
+        Image { width: self.size[0], height: self.size[1], pixels }
+    }
+
     /// The map under its title, above its scale.
     #[must_use]
     pub fn draw(&self) -> Image {
@@ -42,12 +53,7 @@ impl Map<'_> {
         let room = (across / TITLE.character_size.width) as usize;
         let title: String = self.title.chars().take(room).collect();
         canvas.text([left, 14], &title, &TITLE, INK);
-        let color = |&value: &f64| {
-            let [r, g, b] = ramp::color(step(value, self.most));
-            [r, g, b, 255]
-        };
-        let pixels = self.values.iter().map(color).collect();
-        let map = Image { width: self.size[0], height: self.size[1], pixels };
+        let map = self.plain();
         canvas.fill([left - 1, top - 1], [width * scale + 2, height * scale + 2], FRAME);
         canvas.place([left, top], &map, scale);
         let room = (across / BODY.character_size.width) as usize;

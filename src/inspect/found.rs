@@ -148,6 +148,11 @@ impl Became {
     }
 }
 
+/// A method's name, and k where it has one.
+pub(super) fn title(method: &str, k: Option<u32>) -> String {
+    k.map_or_else(|| method.to_owned(), |k| format!("{method}, k = {k}"))
+}
+
 /// An entry of a pixel's list that is not one of its fragments.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Extra {
@@ -162,12 +167,14 @@ pub struct Extra {
 }
 
 /// A fragment as all methods get it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Generated {
-    pub(super) triangle: u32,
-    pub(super) depth: u32,
-    /// RGBA8.
-    pub(super) color: u32,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Generated {
+    /// The global triangle index.
+    pub triangle: u32,
+    /// The stored depth word.
+    pub depth: u32,
+    /// RGBA8, R in the low byte.
+    pub color: u32,
 }
 
 impl Generated {

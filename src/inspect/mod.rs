@@ -4,6 +4,7 @@
 mod absorbance;
 mod fates;
 mod found;
+pub mod frame;
 mod gone;
 mod plot;
 mod records;
@@ -16,7 +17,10 @@ use crate::scene::Scene;
 use crate::scheme::HeldKind;
 use sight::Sight;
 
-pub use found::{Became, Exact, Extra, Fate, Inspected, Inspection, PixelFragment, PixelRecord};
+pub use found::{
+    Became, Exact, Extra, Fate, Generated, Inspected, Inspection, PixelFragment, PixelRecord,
+};
+pub use sight::Look;
 
 /// Draw `scene` with each of `methods`, and look at one pixel. The whole frame is drawn: what becomes of a pixel may
 /// depend on all others, in a race, a pool or a table.

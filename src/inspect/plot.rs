@@ -1,6 +1,6 @@
 //! The absorbance along the ray as a plot (Figure 13 of the z-thickness paper).
 
-use super::found::{Inspected, Inspection};
+use super::found::{Inspected, Inspection, title};
 use crate::image::plot::{Curve, Plot, Stroke};
 
 /// What is shown before the nearest corner and behind the farthest, as a part of what lies between.
@@ -66,7 +66,7 @@ impl Inspected {
     /// The name, and k where it has one.
     #[must_use]
     pub fn title(&self) -> String {
-        self.k.map_or_else(|| self.method.clone(), |k| format!("{}, k = {k}", self.method))
+        title(&self.method, self.k)
     }
 }
 

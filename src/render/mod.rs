@@ -51,7 +51,7 @@ pub use importance::{
 };
 pub use inputs::Given;
 pub use options::{Exec, MAX_RESIDENT, MAX_THREADS, Options, Policy, Shadows, Sim, Sort, Wanted};
-pub use reference::{Reference, promised, reference};
+pub use reference::{Promises, Reference, promised, promising, reference};
 pub use report::{Report, ShadowReport};
 pub use table::{TableOptions, TableReport};
 

@@ -62,13 +62,39 @@ pub fn reference(scene: &Scene, options: &Options) -> Result<Reference> {
 pub fn promised(
     scene: &Scene,
     options: &Options,
-    [x, y]: [u32; 2],
+    pixel: [u32; 2],
     generated: &[u64],
 ) -> Result<Option<Held>> {
+    promising(scene, options, |promises| promises.pixel(pixel, generated))
+}
+
+/// Ask for what the method of `options` must hold at any pixels of a scene ([`promised`]).
+///
+/// # Errors
+/// As [`render()`].
+pub fn promising<T>(
+    scene: &Scene,
+    options: &Options,
+    ask: impl FnOnce(&Promises<'_>) -> T,
+) -> Result<T> {
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
-    promise(scene, options, &grid, |promise, front| {
-        let pixel = grid.pixel(x, y);
-        let per_tile = grid.pixels_per_tile();
+    promise(scene, options, &grid, |promise, front| ask(&Promises { promise, front, options }))
+}
+
+/// What a method must hold at the pixels of a scene.
+pub struct Promises<'a> {
+    promise: &'a Promise<'a>,
+    front: &'a FrontEnd,
+    options: &'a Options,
+}
+
+impl Promises<'_> {
+    /// As [`promised`]. Of a method whose fragments have a third word, the pixel's tile is drawn for it.
+    #[must_use]
+    pub fn pixel(&self, [x, y]: [u32; 2], generated: &[u64]) -> Option<Held> {
+        let Self { promise, front, options } = self;
+        let pixel = front.grid.pixel(x, y);
+        let per_tile = front.grid.pixels_per_tile();
         let fragments = if options.method.contract().has_third_word() {
             let mut tile = exact::fragments(front, pixel as usize / per_tile, options.record());
             tile.swap_remove(pixel as usize % per_tile)
@@ -76,7 +102,7 @@ pub fn promised(
             generated.iter().map(|&key| Fragment::of_key(key)).collect()
         };
         promise.pixel(pixel, &fragments)
-    })
+    }
 }
 
 /// Ask what a method promises on a scene.

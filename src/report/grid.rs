@@ -74,10 +74,28 @@ pub struct Grid {
     pub rows: Vec<Vec<Cell>>,
 }
 
+/// A table in lines: what stands before the rows, the rows, and what comes after.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lines {
+    /// Before the rows.
+    pub head: String,
+    /// Each with a line break at its end.
+    pub rows: Vec<String>,
+    /// Behind the rows.
+    pub foot: String,
+}
+
 impl Grid {
     /// The table, with a line break at its end.
     #[must_use]
     pub fn write(&self, syntax: Syntax) -> String {
+        let Lines { head, rows, foot } = self.lines(syntax);
+        head + &rows.concat() + &foot
+    }
+
+    /// The table in lines, so that rows can change places.
+    #[must_use]
+    pub fn lines(&self, syntax: Syntax) -> Lines {
         let row = |row: &Vec<Cell>| -> Vec<String> {
             row.iter().map(|cell| cell.in_syntax(syntax).to_owned()).collect()
         };
@@ -86,10 +104,25 @@ impl Grid {
             self.columns.iter().map(|column| column.heading.clone()).collect()
         };
         match syntax {
-            Syntax::Text => columns(&self.aligned(), &[vec![headings()], rows].concat()),
-            Syntax::Csv => csv(self.columns.iter().map(|column| column.name), &rows),
+            Syntax::Text => {
+                let text = columns(&self.aligned(), &[vec![headings()], rows].concat());
+                let mut lines = text.split_inclusive('\n').map(str::to_owned);
+                let head = lines.next().unwrap_or_default();
+                Lines { head, rows: lines.collect(), foot: String::new() }
+            }
+            Syntax::Csv => Lines {
+                head: csv(self.columns.iter().map(|column| column.name), &[]),
+                rows: rows.iter().map(|row| csv_line(row.iter().map(String::as_str))).collect(),
+                foot: String::new(),
+            },
             Syntax::Latex => self.latex(&headings(), &rows),
         }
+    }
+
+    /// Which columns hold words; the others hold numbers.
+    #[must_use]
+    pub fn words(&self) -> Vec<bool> {
+        self.aligned().into_iter().map(|align| align == Align::Left).collect()
     }
 
     /// Columns of words stand left.
@@ -101,31 +134,35 @@ impl Grid {
             .collect()
     }
 
-    fn latex(&self, headings: &[String], rows: &[Vec<String>]) -> String {
+    fn latex(&self, headings: &[String], rows: &[Vec<String>]) -> Lines {
         let letter = |align: Align| if align == Align::Left { 'l' } else { 'r' };
         let letters: String = self.aligned().into_iter().map(letter).collect();
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| latex(cell)).collect();
             cells.join(" & ") + " \\\\\n"
         };
-        let body: String = rows.iter().map(|row| line(row)).collect();
         let heading = line(headings);
-        format!(
-            "\\begin{{tabular}}{{{letters}}}\n\\hline\n{heading}\\hline\n{body}\\hline\n\\end{{tabular}}\n"
-        )
+        Lines {
+            head: format!("\\begin{{tabular}}{{{letters}}}\n\\hline\n{heading}\\hline\n"),
+            rows: rows.iter().map(|row| line(row)).collect(),
+            foot: "\\hline\n\\end{tabular}\n".to_owned(),
+        }
     }
 }
 
 /// Lines of comma-separated cells, names first.
 #[must_use]
 pub fn csv<'a>(names: impl Iterator<Item = &'a str>, rows: &[Vec<String>]) -> String {
+    let rows = rows.iter().map(|row| csv_line(row.iter().map(String::as_str)));
+    csv_line(names) + &rows.collect::<String>()
+}
+
+fn csv_line<'a>(cells: impl Iterator<Item = &'a str>) -> String {
     let quoted = |cell: &str| {
         let plain = !cell.contains([',', '"', '\n']);
         if plain { cell.to_owned() } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
     };
-    let line = |cells: Vec<String>| cells.join(",") + "\n";
-    let rows = rows.iter().map(|row| line(row.iter().map(|cell| quoted(cell)).collect()));
-    line(names.map(quoted).collect()) + &rows.collect::<String>()
+    cells.map(quoted).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// Text whose every character LaTeX shows.

@@ -8,6 +8,7 @@ pub mod grid;
 pub mod inspection;
 pub mod json;
 pub mod npz;
+pub mod page;
 pub mod picture;
 pub mod stability;
 pub mod table;

@@ -83,7 +83,7 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
 }
 
 /// The given options for each of the methods, with one depth format.
-fn of_methods(settings: &Settings, methods: &[Method]) -> Vec<Options> {
+pub(super) fn of_methods(settings: &Settings, methods: &[Method]) -> Vec<Options> {
     let fixed = methods.iter().map(|method| method.contract().depth_format);
     let format = settings.options.depth_format.unwrap_or_else(|| common_format(fixed));
     let options = |&method: &Method| Options {

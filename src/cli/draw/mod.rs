@@ -8,3 +8,4 @@ pub(super) mod inspect;
 mod picture;
 mod reference;
 pub(super) mod render;
+pub(super) mod report;

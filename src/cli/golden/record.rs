@@ -86,7 +86,7 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let interrupt = Interrupt::watch();
     let draw = CommandLine { catalogue };
     let found = wait::counting(args.output.quiet, "recording", plans.len(), |done| {
-        let work = Work { jobs, cancelled: &|| interrupt.pressed(), done };
+        let work = Work { jobs, cancelled: &|| interrupt.pressed(), done, shown: &|_, _| {} };
         golden::record(&mut manifest, &plans, &draw, pictures, &work)
     })?;
     let Some(found) = found else {

@@ -1,15 +1,18 @@
 //! `fragloom golden verify`: draw a manifest again.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use super::line::CommandLine;
 use super::{Jobs, Told};
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
+use crate::cli::options::page;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::wait;
 use crate::error::{Error, Result};
-use crate::golden::{self, Manifest, Partition, Settings, Work};
+use crate::golden::{self, Manifest, Partition, Settings, Shown, Work};
 use crate::report::files;
 
 #[derive(Debug, clap::Args)]
@@ -36,6 +39,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "hash:I/N|auto")]
     partition: Option<String>,
 
+    /// Write a page for browsers as well: all entries, and the pictures of those that differ, under a slider with their
+    /// heat maps [default: not written]
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
     #[command(flatten)]
     jobs: Jobs,
 
@@ -54,7 +62,15 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let partition = partition.transpose()?;
     args.maps.as_ref().map_or(Ok(()), |folder| files::check_folder("-o", folder))?;
     let mut manifest = Manifest::read(&args.manifest)?;
-    args.told.check(&own(&manifest))?;
+    let own = own(&manifest);
+    args.told.check(&own)?;
+    if let Some(path) = &args.report {
+        page::check("--report", path)?;
+        files::check_apart(&[("--report", path)], &own)?;
+        let others = args.told.junit.as_ref().map(|junit| ("--junit", junit));
+        let all: Vec<_> = others.into_iter().chain([("--report", path)]).collect();
+        files::check_distinct(&all)?;
+    }
     let settings = Settings {
         filter: args.filter.as_deref(),
         partition,
@@ -67,10 +83,21 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     }
     let interrupt = Interrupt::watch();
     let draw = CommandLine { catalogue };
+    let pictures = Mutex::new(BTreeMap::new());
+    let shown = |name: &str, shown: Shown| {
+        if args.report.is_some() {
+            let mut pictures = pictures.lock().unwrap_or_else(PoisonError::into_inner);
+            pictures.insert(name.to_owned(), shown);
+        }
+    };
     let report = wait::counting(args.told.output.quiet, "verifying", count, |done| {
-        let work = Work { jobs, cancelled: &|| interrupt.pressed(), done };
+        let work = Work { jobs, cancelled: &|| interrupt.pressed(), done, shown: &shown };
         golden::verify(&mut manifest, &draw, &settings, &work)
     })?;
+    if let Some(path) = &args.report {
+        let pictures = pictures.into_inner().unwrap_or_else(PoisonError::into_inner);
+        page::write(path, &golden::page(&report, &pictures)?)?;
+    }
     let verdict = args.told.tell(&report)?;
     match report.not_run.len() {
         0 => Ok(verdict),

@@ -5,6 +5,7 @@ pub(super) mod effects;
 pub(super) mod flags;
 pub(super) mod importance;
 pub(super) mod measures;
+pub(super) mod page;
 pub(super) mod scene;
 pub(super) mod settings;
 pub(super) mod sweep;

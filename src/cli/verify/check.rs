@@ -1,24 +1,27 @@
 //! `fragloom check`: explore interleavings; verdicts with their bounds, failing schedules as tokens.
 
 use std::fs;
+use std::path::PathBuf;
 
 use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::flags::Output;
-use crate::cli::options::values;
+use crate::cli::options::{page, values};
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
 use crate::explore::program::controls;
+use crate::explore::replay::timeline;
 use crate::explore::verdict::claims::claim_by_id;
 use crate::explore::verdict::expect::{self, Expectation};
 use crate::explore::verdict::matrix;
 use crate::explore::{
     Conditions, Executions, Finding, Limits, MemoryModel, Plan, Profile, Progress, Subject, Survey,
-    check, cut, inherit, sampled,
+    Token, check, cut, inherit, sampled,
 };
 use crate::render::{Exec, Options, Policy, Sim};
-use crate::report::{json, verdicts};
+use crate::report::page::verdicts as pages;
+use crate::report::{files, json, verdicts};
 use crate::scene::{self, Overrides, Scene};
 
 #[derive(Debug, clap::Args)]
@@ -118,6 +121,11 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "N", default_value_t = 4_096, allow_negative_numbers = true)]
     resident: usize,
 
+    /// Write a page for browsers as well: the verdicts, and for each that is violated its interleaving, step by step
+    /// [default: not written]
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["mutation", "mutations", "outcomes"])]
+    report: Option<PathBuf>,
+
     #[command(flatten)]
     output: Output,
 }
@@ -128,6 +136,11 @@ pub(in crate::cli) struct Args {
 /// Wrong options, an unknown method, claim or fault, or a scene that cannot be drawn.
 pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict> {
     let plan = plan(args)?;
+    if let Some(path) = &args.report {
+        page::check("--report", path)?;
+        let inputs: Vec<PathBuf> = args.expect.iter().map(PathBuf::from).collect();
+        files::check_apart(&[("--report", path)], &inputs)?;
+    }
     let expected = args.expect.as_deref().map(read_expectations).transpose()?;
     let interrupt = Interrupt::watch();
     let cancelled = || interrupt.pressed();
@@ -139,12 +152,23 @@ pub(in crate::cli) fn run(catalogue: &Catalogue, args: &Args) -> Result<Verdict>
         return outcomes(catalogue, args, &plan, &limits);
     }
     let rows = rows(catalogue, args, &plan, &limits)?;
+    if let Some(path) = &args.report {
+        page::write(path, &pages::verdicts(&rows, &|token| timeline(catalogue, token))?)?;
+    }
     let text = if args.output.json { json::document(&rows)? } else { verdicts::table(&rows) };
     say::result(&text)?;
     if interrupt.pressed() {
         say::warning("interrupted: what was not explored is unknown");
     }
     Ok(judge(&rows, expected.as_deref()))
+}
+
+/// The interleaving of a token; there is none of a whole scene's.
+fn timeline(catalogue: &Catalogue, token: &str) -> Result<Option<serde_json::Value>> {
+    let Token::Litmus(token) = token.parse()? else { return Ok(None) };
+    let timeline = timeline::timeline(catalogue, &token)?;
+    let wrong = |error: serde_json::Error| Error::new("--report", error.to_string());
+    serde_json::to_value(timeline).map(Some).map_err(wrong)
 }
 
 fn judge(rows: &[Finding], expected: Option<&[Expectation]>) -> Verdict {
@@ -188,6 +212,9 @@ fn rows(
             ..Overrides::default()
         };
         let scene = wait::during(quiet, "loading", || scene::load(name, &overrides))?;
+        if let Some(path) = &args.report {
+            files::check_apart(&[("--report", path)], &scene.files)?;
+        }
         let check = |s: &Subject| on_scene(args, plan, s, name, &scene, limits);
         let run = || subjects.iter().map(check).collect::<Result<Vec<Vec<Finding>>>>();
         return Ok(wait::during(quiet, "checking", run)?.concat());

@@ -2,6 +2,7 @@
 
 mod junit;
 mod merge;
+mod page;
 mod table;
 
 use std::fs;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::junit::junit;
 pub use self::merge::merge;
+pub use self::page::{Shown, page};
 pub use self::table::table;
 use super::PROGRAM;
 use super::manifest::{Entry, Manifest};
