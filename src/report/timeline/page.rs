@@ -5,10 +5,10 @@ use crate::explore::replay::timeline::Timeline;
 use crate::image::drawing::escaped;
 
 /// Draws the timeline: `timeline(element, data)`. Its first lines say how it is used.
-pub const SCRIPT: &str = include_str!("../page/timeline.js");
+pub const SCRIPT: &str = include_str!("../page/web/timeline.js");
 
 /// What it looks like. All classes begin with `timeline`.
-pub const STYLE: &str = include_str!("../page/timeline.css");
+pub const STYLE: &str = include_str!("../page/web/timeline.css");
 
 /// The page.
 ///
