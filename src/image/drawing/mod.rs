@@ -45,6 +45,17 @@ pub(crate) enum Shape {
         /// Lengths of strokes and gaps in turn; without gaps if empty.
         dashes: &'static [u32],
     },
+    /// From one point to another.
+    Segment {
+        /// Both points.
+        ends: [[f64; 2]; 2],
+        /// Its colour.
+        ink: Ink,
+        /// Its width.
+        width: u32,
+        /// As of a line.
+        dashes: &'static [u32],
+    },
     /// A line of letters.
     Text {
         /// Where the letters stand.
@@ -97,7 +108,18 @@ impl Drawing {
 
     /// A thin line without gaps.
     pub(crate) fn rule(&mut self, from: [f64; 2], to: [f64; 2], ink: Ink) {
-        self.line(vec![from, to], ink, 1, &[]);
+        self.segment([from, to], ink, 1, &[]);
+    }
+
+    /// A line from one point to another.
+    pub(crate) fn segment(
+        &mut self,
+        ends: [[f64; 2]; 2],
+        ink: Ink,
+        width: u32,
+        dashes: &'static [u32],
+    ) {
+        self.shapes.push(Shape::Segment { ends, ink, width, dashes });
     }
 
     /// A line through points.

@@ -30,10 +30,10 @@ impl Drawing {
                     canvas.fill(near, size, ink.color(false));
                 }
                 Shape::Line { points, ink, width, dashes } => {
-                    let points: Vec<[u32; 2]> = points.iter().map(|&point| pixel(point)).collect();
-                    // A thin line is one pixel wide.
-                    let width = if *width == 1 { 1 } else { width * SCALE };
-                    line(&mut canvas, &points, ink.color(false), width, dashes);
+                    line(&mut canvas, points, ink.color(false), *width, dashes);
+                }
+                Shape::Segment { ends, ink, width, dashes } => {
+                    line(&mut canvas, ends, ink.color(false), *width, dashes);
                 }
                 Shape::Text { at, text, ink, face: Face::Upright, .. } => {
                     upright(&mut canvas, *at, text, *ink);
@@ -84,8 +84,10 @@ fn upright(canvas: &mut Canvas, [x, y]: [f64; 2], text: &str, ink: Ink) {
     canvas.place([across, middle.saturating_sub(long / 2)], &standing, 1);
 }
 
-/// Join points by a line of square dots, with gaps.
-fn line(canvas: &mut Canvas, points: &[[u32; 2]], color: [u8; 3], width: u32, dashes: &[u32]) {
+/// Join points by a line of square dots, with gaps. A thin line is one pixel wide.
+fn line(canvas: &mut Canvas, points: &[[f64; 2]], color: [u8; 3], width: u32, dashes: &[u32]) {
+    let points: Vec<[u32; 2]> = points.iter().map(|&point| pixel(point)).collect();
+    let width = if width == 1 { 1 } else { width * SCALE };
     let mut passed = 0;
     for pair in points.windows(2) {
         let [from, to] = [pair[0], pair[1]].map(|point| point.map(i64::from));

@@ -41,7 +41,7 @@ impl Drawing {
 fn painted(shape: &Shape) -> (bool, Ink) {
     match shape {
         Shape::Area { ink, .. } | Shape::Text { ink, .. } => (true, *ink),
-        Shape::Line { ink, .. } => (false, *ink),
+        Shape::Line { ink, .. } | Shape::Segment { ink, .. } => (false, *ink),
     }
 }
 
@@ -76,17 +76,16 @@ fn markup(shape: &Shape) -> String {
             let points: Vec<String> =
                 points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
             let points = points.join(" ");
-            let dashes = match dashes {
-                [] => String::new(),
-                dashes => {
-                    let lengths: Vec<String> = dashes.iter().map(ToString::to_string).collect();
-                    format!(" stroke-dasharray=\"{}\"", lengths.join(" "))
-                }
-            };
+            let dashes = gaps(dashes);
             format!(
                 "<polyline points=\"{points}\" {paint} stroke-width=\"{width}\"{dashes} fill=\"none\"/>"
             )
         }
+        Shape::Segment { ends: [[x1, y1], [x2, y2]], width, dashes, .. } => format!(
+            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" {paint} \
+             stroke-width=\"{width}\"{}/>",
+            gaps(dashes)
+        ),
         Shape::Text { at: [x, y], anchor, text, face, .. } => {
             let anchor = match anchor {
                 Anchor::Start => "start",
@@ -105,6 +104,15 @@ fn markup(shape: &Shape) -> String {
             )
         }
     }
+}
+
+/// The attribute of a line's gaps, if it has any.
+fn gaps(dashes: &[u32]) -> String {
+    if dashes.is_empty() {
+        return String::new();
+    }
+    let lengths: Vec<String> = dashes.iter().map(ToString::to_string).collect();
+    format!(" stroke-dasharray=\"{}\"", lengths.join(" "))
 }
 
 /// Text as it stands in XML and HTML, also within quotes. What XML cannot have is replaced.

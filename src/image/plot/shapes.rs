@@ -42,7 +42,7 @@ impl Plot {
             }
             let down = top + LINE * i as f64;
             let sample = [left, left + SAMPLE - 6.0].map(|across| [across, down - 4.0]);
-            drawing.line(sample.to_vec(), style.ink, style.width + 1, style.dashes);
+            drawing.segment(sample, style.ink, style.width + 1, style.dashes);
             drawing.text([left + SAMPLE, down], Anchor::Start, &curve.name, Ink::Text);
         }
         drawing
