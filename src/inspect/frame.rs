@@ -165,7 +165,7 @@ impl Drawn<'_> {
     /// Fragments kept per pixel, if that decides what the method keeps.
     #[must_use]
     pub fn k(&self) -> Option<u32> {
-        k_of(self.options, &self.rendering)
+        k_of(self.options, self.rendering)
     }
 
     /// What became of the fragments of pixel (x, y).

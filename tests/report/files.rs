@@ -1,36 +1,32 @@
 //! The command: its file, its errors, and names with signs.
 
-use std::path::Path;
-
 use super::*;
 
-/// A scene whose names would end the script or begin a tag.
+/// A name that would end the script, or begin a tag.
 const EVIL: &str = "</script><img src=x onerror=alert(1)>&amp;\"'<!--";
-
-fn evil(folder: &Path) -> String {
-    let name = "a<b>&c.toml";
-    let text = format!(
-        "[[object]]\nname = {EVIL:?}\ngenerator = \"box\"\n\n[[object]]\nname = \"<script>\"\ngenerator = \"sphere\"\n"
-    );
-    fs::write(folder.join(name), text).expect("a scene");
-    name.to_owned()
-}
 
 #[test]
 fn names_with_signs_do_not_break_the_page() {
+    let size = Some([40, 30]);
+    let mut scene =
+        scene::load("box", &Overrides { size, ..Overrides::default() }).expect("a scene");
+    scene.name = EVIL.to_owned();
+    scene.objects[0].name = EVIL.to_owned();
+    let drawn = drawing(&scene, &[Options::default()]).expect("drawn");
     let dir = Dir::new();
-    let name = evil(&dir.path("."));
-    let line = format!("report {name} --size 40x30 -m kplus-array -o page.html");
-    let run = dir.run(&line);
-    assert_eq!(run.code, 0, "{run:?}");
+    let path = dir.path("a<b>&c.html");
+    let mut bytes = Vec::new();
+    drawn.page.write(&mut bytes).expect("written");
+    fs::write(&path, bytes).expect("a file");
     let Some(mut browser) = Browser::start() else { return };
-    browser.open(&dir.path("page.html"));
-    assert_eq!(browser.text("h1"), "a<b>&c.toml at 40x30");
+    browser.open(&path);
+    assert_eq!(browser.text("h1"), format!("{EVIL} at 40x30"));
+    assert_eq!(browser.eval("document.title"), format!("{EVIL} at 40x30"));
     browser.click(".stage");
     shows(&mut browser, [20, 15]);
     let objects: Vec<String> =
         cells(&mut browser, ".fragments").into_iter().map(|mut row| row.remove(1)).collect();
-    assert!(objects.contains(&EVIL.to_owned()), "{objects:?}");
+    assert_eq!(objects, [EVIL, EVIL], "both faces of the box");
     assert_eq!(browser.eval("document.querySelectorAll('main img[src=x]').length"), 0);
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
@@ -49,7 +45,7 @@ fn the_command_writes_equal_bytes_and_says_what_is_wrong() {
     let document = dir.run(&format!("{line} -o b.html --json --threads 1")).json();
     assert_eq!(document[1]["method"], "ab-ll");
     assert_eq!(dir.read("a.html"), dir.read("b.html"));
-    let scene = "[[object]]\ngenerator = \"box\"\n";
+    let scene = "[[object]]\nprocedural = \"box\"\n";
     fs::write(dir.path("in.html"), scene).expect("a file");
     fs::write(dir.path("scene.toml"), scene).expect("a file");
     for (line, words) in [

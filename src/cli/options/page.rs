@@ -1,5 +1,6 @@
 //! A page for browsers as an output.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -12,7 +13,7 @@ use crate::report::page::Page;
 /// `option`, the path and what would be right.
 pub(in crate::cli) fn check(option: &str, path: &Path) -> Result<()> {
     let special = path.exists() && !path.is_file() && !path.is_dir();
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    let ending = path.extension().map(OsStr::to_ascii_lowercase);
     if !special && ending.is_none_or(|ending| ending != "html" && ending != "htm") {
         return Err(Error::new(option, format!("{} must end in .html", path.display())));
     }

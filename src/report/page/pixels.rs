@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::block::{self, EDGE, Streams};
 use super::{Page, Pictures};
+use crate::effect::solids::Part;
 use crate::error::{Error, Result};
 use crate::fragment::Data;
 use crate::inspect::frame::{Drawn, Frame};
@@ -120,7 +121,7 @@ pub fn add(
         blocks: packed.into_iter().map(|bytes| page.attach(bytes, false)).collect(),
         methods,
         objects: frame.solids().names().to_vec(),
-        ends: parts.iter().map(|part| part.end()).collect(),
+        ends: parts.iter().map(Part::end).collect(),
         solids: parts.iter().map(|part| part.solid).collect(),
         depth_format: distances.format,
         near: distances.planes.near,
