@@ -116,7 +116,8 @@ fn inconsistency(timeline: &Timeline) -> Option<String> {
             } else if step.read.is_some() && !lane.helper {
                 return wrong("no source");
             }
-            let read = step.read.as_ref().map_or(0, |t| u64::from_str_radix(t, 16).unwrap());
+            let read =
+                step.read.as_ref().map_or(0, |t| u64::from_str_radix(t, 16).expect("hexadecimal"));
             let own = computed(step, read, timeline.words[word].bits).map(|v| format!("{v:x}"));
             if own != step.written && !lane.helper {
                 return wrong("what it writes");
