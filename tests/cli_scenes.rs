@@ -25,6 +25,12 @@ fn folder(files: &[(&str, &[u8])]) -> Dir {
     dir
 }
 
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(bytes).unwrap();
+    packed.finish().unwrap()
+}
+
 fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
@@ -97,12 +103,18 @@ fn zipped_models_bring_what_they_name() {
     fs::write(dir.path("model.zip"), &packed).unwrap();
     let found = report(&dir, &format!("render model.zip {SMALL}"));
     assert_eq!(found["image_hash"], of_file["image_hash"]);
+    // Files that are packed twice.
+    let twice = zip(&[("a.obj.gz", &gzip(QUAD.as_bytes())), ("a.mtl", LIBRARY.as_bytes())]);
+    fs::write(dir.path("twice.zip"), twice).unwrap();
+    let found = report(&dir, &format!("render twice.zip {SMALL}"));
+    assert_eq!(found["image_hash"], of_file["image_hash"]);
     let many = zip(&[("b.obj", QUAD.as_bytes()), ("a.stl", b"x")]);
     for (bytes, words) in [
         (b"no archive".to_vec(), ["zip archive", "z.zip"]),
         (packed[..packed.len() / 2].to_vec(), ["zip archive", "whole"]),
         (zip(&[("readme.txt", b"text")]), ["no .obj", "z.zip"]),
         (many, ["2 models", "a.stl and b.obj"]),
+        (zip(&[("a.stl.gz", b"\x1F\x8Bjunk")]), ["z.zip: a.stl.gz", "gzip"]),
         (zip(&[("a/m.obj", b"f 1 2 3")]), ["z.zip: a/m.obj", "line 1"]),
     ] {
         fs::write(dir.path("z.zip"), bytes).unwrap();

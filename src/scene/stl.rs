@@ -20,9 +20,10 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
         Some(count) => binary(bytes, count),
         None => match text(&decode(bytes)) {
             // No text after all: a binary file with more behind its facets.
-            Ok(corners) if corners.is_empty() && promised(bytes).is_some_and(|n| n > 0) => {
-                binary(bytes, promised(bytes).unwrap_or_default())
-            }
+            Ok(corners) if corners.is_empty() => match promised(bytes) {
+                Some(count) if count > 0 && !is_text(bytes) => binary(bytes, count),
+                _ => Ok(corners),
+            },
             corners => corners,
         },
     };
@@ -40,14 +41,19 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
     Ok(model)
 }
 
-/// How many facets a binary file promises; `None` for text. A binary file, too, may begin with "solid", so that its
-/// length decides.
+/// How many facets a binary file promises; `None` for text. A binary file, too, may begin with "solid", and a text with
+/// anything, so that the length decides.
 fn count(bytes: &[u8]) -> Option<usize> {
     let count = promised(bytes)?;
     let first = bytes.trim_ascii_start();
-    let text = first.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
-        || bytes.starts_with(b"\xEF\xBB\xBF");
+    let text =
+        first.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) || is_text(bytes);
     (!text || bytes.len() - HEADER == count.saturating_mul(FACET)).then_some(count)
+}
+
+/// A binary file has a zero byte: its count is below 2^24.
+fn is_text(bytes: &[u8]) -> bool {
+    !bytes.contains(&0)
 }
 
 /// What a binary file's header says.
@@ -75,6 +81,8 @@ fn binary(bytes: &[u8], count: usize) -> Unplaced<Vec<[f64; 3]>> {
 fn text(text: &str) -> Unplaced<Vec<[f64; 3]>> {
     let mut corners = Vec::new();
     for (line, words) in lines(text) {
+        // Not of the format, but met: comments.
+        let words = words.split('#').next().unwrap_or_default();
         let words: Vec<&str> = words.split_whitespace().collect();
         let Some(keyword) = words.first() else { continue };
         let ends_facet = keyword.eq_ignore_ascii_case("endfacet");

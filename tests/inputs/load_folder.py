@@ -15,7 +15,8 @@ and prints one line, in the order of the files' names:
     panicked         it ended in another way, or wrote "panicked", or its answer
                      is not JSON
     timed out        it took longer than --timeout
-    not there        the file is only a pointer of Git LFS, so it was not drawn
+    not there        the file, or a buffer that a .gltf names, is only a pointer of
+                     Git LFS, so it was not drawn
 
 A summary follows: how many files of each kind and of each format, and the
 messages, most frequent first, in which <file>, <name> and <n> stand for file
@@ -33,6 +34,7 @@ import re
 import subprocess
 import sys
 import time
+import urllib.parse
 
 ENDINGS = ("obj", "gltf", "glb", "ply", "stl", "pcd")
 KINDS = (
@@ -74,6 +76,20 @@ def is_lfs_pointer(path):
         return file.read(len(LFS)) == LFS
 
 
+def lacks_buffer(path):
+    """Whether a .gltf names a buffer that is only a pointer."""
+    try:
+        with open(path, "rb") as file:
+            buffers = json.loads(file.read()).get("buffers", [])
+        names = [str(buffer.get("uri", "data:")) for buffer in buffers]
+        names = [urllib.parse.unquote(name) for name in names if not name.startswith("data:")]
+        paths = [os.path.join(os.path.dirname(path), name) for name in names]
+        return any(is_lfs_pointer(path) for path in paths if os.path.isfile(path))
+    # Whatever is wrong with the file is for fragloom to say.
+    except (OSError, ValueError, AttributeError, TypeError):
+        return False
+
+
 def text(data):
     return data.decode("utf-8", "replace").strip()
 
@@ -90,6 +106,9 @@ def draw(fragloom, folder, name, timeout):
     }
     try:
         if is_lfs_pointer(path):
+            return result
+        if result["format"] == "gltf" and lacks_buffer(path):
+            result["messages"] = ["a buffer is only a pointer"]
             return result
     except OSError as error:
         result["messages"] = [str(error)]

@@ -221,7 +221,7 @@ fn bad_documents_are_named() {
         ("/nodes/0/children", json!([7]), "node 7: there is no such node"),
         ("/nodes/0/mesh", json!(3), "nodes: mesh 3 is not among the 1"),
         ("/scenes/0/nodes", json!([4]), "node 4: there is no such node"),
-        ("/scenes/0/nodes", json!([]), "meshes: the scene has no triangle"),
+        ("/scenes/0/nodes", json!([]), "needs at least one (1 in the file, but on no node"),
         ("/scene", json!(5), "scene: 5 is not among the 1"),
         (
             "/materials",
@@ -258,6 +258,7 @@ fn bad_containers_are_named() {
     };
     fails(b"", "JSON: line 1: the text ends too early");
     fails(b"[1]", "JSON: must be an object");
+    fails(br#"{"asset": 1e999}"#, "the number is too large");
     fails(b"glTF", "GLB header: length");
     fails(b"glTF\x02\0\0\0\x0b\0\0\0", "GLB header: length: must be at least 12");
     fails(b"glTF\x02\0\0\0\xff\xff\xff\xff", "GLB");

@@ -151,6 +151,7 @@ fn what_is_valid_is_drawn() {
         "unused-buffer",
         "glb-third-chunk",
         "ply-numbers",
+        "stl-comments",
         "tristrip",
         "cr-only",
         "required-khr_materials_unlit",
@@ -168,9 +169,12 @@ fn what_is_left_out_is_named() {
         ("no-position", "m.gltf: mesh 0 primitive 1: has no POSITION"),
         ("two-corners", "m.obj: line 6: f 1 2: faces of fewer than 3 corners"),
         ("looks-khr_materials_volume", "extensionsUsed: KHR_materials_volume: is not drawn"),
+        ("looks-khr_technique_webgl", "extensionsUsed: KHR_technique_webgl: is not drawn"),
     ] {
         assert_drawn(folder, 512, &[warning]);
     }
+    let basis = ["extensionsUsed: GOOGLE_texture_basis: is not drawn", "texture 0: has no picture"];
+    assert_drawn("looks-google_texture_basis", 512, &basis);
     assert_drawn("lines", 512, &["line 6: l 1 2 3: lines are not drawn", "points are not drawn"]);
 }
 
@@ -194,6 +198,7 @@ fn what_cannot_be_drawn_says_why() {
         ("gltf-one/m.gltf", ["is glTF 1.0; convert it", "asset.version"]),
         ("guard-index-shared/m.obj", ["m.obj: line 4: f: vertex 4 is not among the 3", "4"]),
         ("guard-nan-shared/m.obj", ["is not a finite number", "m.obj: line "]),
+        ("packed-splats/m.ply", ["packed_position: packed splats are not supported", "scale_0"]),
         ("guard-counts-shared/m.ply", ["3000000000 do not fit into", "element vertex"]),
     ] {
         assert_fails(scene(file, &Overrides::default()), &parts);

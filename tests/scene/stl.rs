@@ -26,12 +26,14 @@ fn text_and_binary_are_the_same() {
     let expected = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]];
     let returns = TEXT.replace('\n', "\r");
     let upper = TEXT.to_uppercase();
+    let commented = format!("# first\n{}", TEXT.replace("0 0\n", "0 0 # a\n#b\n"));
     let mut longer = binary(b"solid it is", 1);
     longer.push(7);
     for bytes in [
         TEXT.as_bytes(),
         returns.as_bytes(),
         upper.as_bytes(),
+        commented.as_bytes(),
         &binary(b"", 1),
         &binary(b"solid it is", 1),
         &longer,
@@ -47,6 +49,8 @@ fn what_is_wrong_is_named() {
         (binary(b"", 2), "a.stl: header: 2 facets do not fit into 134 bytes"),
         (binary(b"", u32::MAX), "header: 4294967295 facets"),
         (b"solid".to_vec(), "facet: there is none"),
+        (vec![b'#'; 200], "facet: there is none"),
+        (format!("# a\n{}", TEXT.replace("1e0", "#")).into(), "line 6: vertex: needs 3"),
         (Vec::new(), "facet: there is none"),
         (TEXT.replace("1e0", "nan").into(), "line 5: vertex: needs 3 finite numbers"),
         (TEXT.replace("vertex 1e0 0 0", "").into(), "line 8: a facet needs 3 vertices"),

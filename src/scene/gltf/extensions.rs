@@ -20,16 +20,19 @@ const DRAWN: [&str; 6] = [
 ];
 
 /// The beginnings of names of extensions about looks.
-const LOOKS: [&str; 13] = [
+const LOOKS: [&str; 15] = [
     "ADOBE_materials_",
+    "CESIUM_primitive_outline",
     "EXT_lights_",
     "EXT_materials_",
     "EXT_texture_",
     "FB_materials_",
+    "GOOGLE_texture_",
     "KHR_environment_",
     "KHR_lights_",
     "KHR_materials_",
-    "KHR_techniques_webgl",
+    // Drafts called it KHR_technique_webgl.
+    "KHR_technique",
     "KHR_texture_",
     "MSFT_texture_",
     "NV_materials_",
@@ -37,12 +40,17 @@ const LOOKS: [&str; 13] = [
 ];
 
 /// The beginnings of names of extensions that change nothing about a picture at rest.
-const SILENT: [&str; 19] = [
+const SILENT: [&str; 24] = [
+    "AGI_",
+    "EXT_feature_metadata",
     "EXT_instance_features",
     "EXT_mesh_features",
     "EXT_mesh_manifold",
     "EXT_structural_metadata",
+    "FB_geometry_metadata",
     "FB_ngon_encoding",
+    "GODOT_single_root",
+    "GRIFFEL_bim_data",
     "KHR_animation_",
     "KHR_audio",
     "KHR_interactivity",

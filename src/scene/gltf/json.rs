@@ -11,10 +11,14 @@ pub(super) fn parse(bytes: &[u8]) -> Unplaced<Value> {
     let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let value: Value = serde_json::from_str(&decode(&bytes[..end])).map_err(|error| {
         let (line, column) = (error.line(), error.column());
-        match error.is_eof() {
-            true => format!("JSON: line {line}: the text ends too early"),
-            false => format!("JSON: line {line}, column {column}: is not valid JSON"),
+        if error.is_eof() {
+            return format!("JSON: line {line}: the text ends too early");
         }
+        let what = match error.to_string().starts_with("number out of range") {
+            true => "the number is too large",
+            false => "is not valid JSON",
+        };
+        format!("JSON: line {line}, column {column}: {what}")
     })?;
     if value.is_object() { Ok(value) } else { Err("JSON: must be an object, { ... }".to_owned()) }
 }

@@ -355,10 +355,12 @@ impl<'a> Loader<'a> {
         if self.model.triangles() == 0 {
             if !self.gone {
                 let problem = "meshes: the scene has no triangle; it needs at least one";
-                return Err(Error::new(
-                    place,
-                    problem.to_owned() + &self.tally.reasons(primitive::is_left_out),
-                ));
+                let meshes = json::list(self.data.root, "meshes").map_or(0, <[_]>::len);
+                let reasons = match self.read == 0 && meshes > 0 {
+                    true => format!(" ({meshes} in the file, but on no node of the scene)"),
+                    false => self.tally.reasons(primitive::is_left_out),
+                };
+                return Err(Error::new(place, problem.to_owned() + &reasons));
             }
             // Nothing is what is to be seen.
             let mesh = Arc::new(Mesh::default());

@@ -9,7 +9,7 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::super::parts::FileFormat;
-use super::files::{all, beside, too_large};
+use super::files::{all, beside, too_large, unpacked};
 use crate::error::{Error, Result};
 
 /// An archive in memory.
@@ -65,20 +65,20 @@ impl<'a> Archive<'a> {
         self.file(&path)
     }
 
-    /// The bytes of a file of the archive.
+    /// The bytes of a file of the archive, unpacked if gzip packed them, too.
     pub(super) fn file(&self, path: &Path) -> Result<Vec<u8>> {
-        let wrong = |problem: &str| {
-            Error::new(format!("{}: {}", self.place, path.display()), problem.to_owned())
-        };
+        let place = format!("{}: {}", self.place, path.display());
+        let wrong = |problem: &str| Error::new(&place, problem.to_owned());
         let index = self.names.iter().position(|known| tidy(Path::new(known)) == *path);
         let index = index.ok_or_else(|| wrong("is not in the archive"))?;
         let mut entries = self.entries.borrow_mut();
         let entry = entries.by_index(index);
         let entry = entry.map_err(|error| wrong(&format!("cannot be unpacked: {error}")))?;
-        all(entry).map_err(|error| match error {
+        let bytes = all(entry).map_err(|error| match error {
             Some(_) => wrong("the compressed data are broken"),
             None => wrong(&too_large(", unpacked")),
-        })
+        })?;
+        unpacked(bytes, &place)
     }
 }
 

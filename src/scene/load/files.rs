@@ -71,7 +71,7 @@ fn stdin() -> Result<Vec<u8>> {
 }
 
 /// What gzip packed, if it did.
-fn unpacked(bytes: Vec<u8>, place: &str) -> Result<Vec<u8>> {
+pub(super) fn unpacked(bytes: Vec<u8>, place: &str) -> Result<Vec<u8>> {
     if !bytes.starts_with(b"\x1F\x8B") {
         return Ok(bytes);
     }

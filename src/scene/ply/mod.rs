@@ -186,6 +186,10 @@ impl Header {
         let vertex = self.element("vertex").ok_or("element vertex: is missing")?;
         let lacks =
             |axis: &&str| !vertex.properties.iter().any(|p| p.name == **axis && p.is_scalar());
+        if vertex.properties.iter().any(|property| property.name == "packed_position") {
+            let problem = "packed splats are not supported; export them with x, y, z, scale_0, rot_0 and so on";
+            return Err(format!("element vertex: property packed_position: {problem}"));
+        }
         if let Some(axis) = ["x", "y", "z"].iter().find(|axis| lacks(axis)) {
             return Err(format!("element vertex: property {axis}: is missing"));
         }
