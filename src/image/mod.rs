@@ -4,9 +4,11 @@
 mod canvas;
 pub mod difference;
 pub mod flip;
+pub mod foreign;
 pub mod heat;
 #[cfg(test)]
 mod ledger;
+pub mod legend;
 pub mod linear;
 pub mod metrics;
 pub mod plot;
