@@ -17,6 +17,9 @@ use crate::report::expected::near_edges;
 /// Pixels of a sample, of those that differ and of those that do not.
 const SAMPLE: usize = 2_048;
 
+/// The most fragments of these, on average.
+const FRAGMENTS: usize = 1 << 15;
+
 /// Hypotheses that are tested on all pixels.
 const TESTED: usize = 24;
 
@@ -129,8 +132,9 @@ impl Seen<'_> {
     /// Look for a hypothesis that explains the pixels marked in `differs`, of which there must be some. `differing` is how
     /// many pixels it is measured against.
     pub(super) fn tell(&self, differs: &[bool], differing: u64) -> Told {
-        let samples = Samples::new(differs);
         let own = &self.answer.lists;
+        let mean = own.entries.len() / differs.len().max(1);
+        let samples = Samples::new(differs, SAMPLE.min(FRAGMENTS / mean.max(1)));
         let singles = Rule::singles(self.answer);
         let mut told = Told::default();
         let all = |rules: &[Rule]| {
@@ -205,12 +209,12 @@ struct Samples {
 }
 
 impl Samples {
-    fn new(differs: &[bool]) -> Self {
+    fn new(differs: &[bool], most: usize) -> Self {
         let mut random = Random::new(0, 0);
         // One out of every so many, since a fixed step may only meet certain columns.
         let mut pick = |differing| {
             let all: Vec<usize> = (0..differs.len()).filter(|&p| differs[p] == differing).collect();
-            let step = all.len().div_ceil(SAMPLE).max(1);
+            let step = all.len().div_ceil(most.max(1)).max(1);
             let some = all.chunks(step).map(|part| part[random.below(part.len() as u64) as usize]);
             (some.collect::<Vec<_>>(), all.len())
         };

@@ -9,9 +9,7 @@ use fragloom::render::{CullFace, Options, render};
 use fragloom::scene::Scene;
 
 use super::support::{options, scene};
-use super::wrong::{
-    Light, byte, changed, color, decode, encode, most_seen, over, painted, seen,
-};
+use super::wrong::{Light, byte, changed, color, decode, encode, most_seen, over, painted, seen};
 
 /// A scene, its exact answer, and what it is for.
 pub(crate) struct Case {
@@ -123,7 +121,11 @@ const KINDS: &[Kind] = &[
             let mut image = s.answer.picture().clone();
             for (i, pixel) in image.pixels.iter_mut().enumerate() {
                 let c = i % 3;
-                pixel[c] = if i % 2 == 0 { pixel[c].saturating_add(1) } else { pixel[c].saturating_sub(1) };
+                pixel[c] = if i % 2 == 0 {
+                    pixel[c].saturating_add(1)
+                } else {
+                    pixel[c].saturating_sub(1)
+                };
             }
             Some(image)
         },
@@ -131,7 +133,7 @@ const KINDS: &[Kind] = &[
     },
     Kind {
         name: "edges moved by 1/16 pixel",
-        made: |s| Some(drawn(&moved(s.scene, [0.0625, 0.0625])?, &exact())),
+        made: |s| Some(drawn(&moved(s.scene, [0.0625, 0.0])?, &exact())),
         classes: &[Class::Edge],
     },
     Kind {
@@ -244,7 +246,9 @@ const KINDS: &[Kind] = &[
     },
     Kind {
         name: "back faces left out",
-        made: |s| with(s, |list| list.retain(|e| !s.backs.get(&e.triangle).copied().unwrap_or(false))),
+        made: |s| {
+            with(s, |list| list.retain(|e| !s.backs.get(&e.triangle).copied().unwrap_or(false)))
+        },
         classes: &[Class::Culling],
     },
     Kind {
@@ -275,7 +279,9 @@ const KINDS: &[Kind] = &[
     },
     Kind {
         name: "encoded twice",
-        made: |s| paint(s, |list, background| over(list, background).map(|c| byte(encode(encode(c))))),
+        made: |s| {
+            paint(s, |list, background| over(list, background).map(|c| byte(encode(encode(c)))))
+        },
         classes: &[Class::ColorSpace],
     },
     Kind {
@@ -348,7 +354,9 @@ const KINDS: &[Kind] = &[
     },
     Kind {
         name: "blending off",
-        made: |s| paint(s, |list, background| seen(list.first().map_or(background, |e| color(e).0))),
+        made: |s| {
+            paint(s, |list, background| seen(list.first().map_or(background, |e| color(e).0)))
+        },
         classes: &[Class::Blending],
     },
     Kind {
@@ -496,8 +504,7 @@ fn what_is_missing_is_named() {
     for case in cases().into_iter().take(4) {
         let answer = Answer::new(&case.scene, &exact()).expect("an answer");
         for &gone in most_seen(&answer, &case.scene).iter().take(3) {
-            let image =
-                changed(&answer, &case.scene, &|list| list.retain(|e| e.triangle != gone));
+            let image = changed(&answer, &case.scene, &|list| list.retain(|e| e.triangle != gone));
             let found = verdict(&answer, &image);
             let first = found.culprits.first().expect("a culprit");
             assert_eq!(first.triangle, Some(gone), "{}: {:?}", case.name, found.culprits);

@@ -140,8 +140,11 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Found> {
         return Err(Error::new("PICTURE", problem));
     }
     let message = format!("judging {}", scene.name);
+    let threads = options.worker_threads();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
     let document = wait::during(quiet, &message, || {
-        judged(args, (&scene, &options), &settings, inputs, &allowed)
+        pool.install(|| judged(args, (&scene, &options), &settings, inputs, &allowed))
     })?;
     if args.folder.is_some() {
         maps(&outputs, &scene, &document)?;
