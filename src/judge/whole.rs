@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use super::answer::{Answer, Entry, of};
+use super::class::Class;
 use super::rule::{Maker, Rule};
 use super::variant::Variant;
 use crate::image::Image;
@@ -135,14 +136,18 @@ impl Seen<'_> {
         let own = &self.answer.lists;
         let mean = own.entries.len() / differs.len().max(1);
         let samples = Samples::new(differs, SAMPLE.min(FRAGMENTS / mean.max(1)));
-        let singles = Rule::singles(self.answer);
+        let mut singles = Rule::singles(self.answer);
+        let faint = self.is_faint(differs);
+        if faint {
+            singles.retain(|rule| rule.class() == Class::Precision);
+        }
         let mut told = Told::default();
         let all = |rules: &[Rule]| {
             let rules = self.promising(rules, &samples);
             rules.into_iter().map(|rule| self.test(rule, own, differs)).collect::<Vec<_>>()
         };
         told.tested = all(&singles);
-        if told.settle(differing, SINGLE) {
+        if told.settle(differing, SINGLE) || faint {
             return told;
         }
         for variant in self.variants(differs) {
@@ -157,6 +162,16 @@ impl Seen<'_> {
         told.tested.extend(all(&Rule::pairs(&singles)));
         told.settle(differing, PAIR);
         told
+    }
+
+    /// Whether all that differs is so little that many hypotheses come as near.
+    fn is_faint(&self, differs: &[bool]) -> bool {
+        let exact = &self.answer.picture.pixels;
+        let by = |pixel: usize| {
+            let [r, g, b, _] = exact[pixel];
+            largest([r, g, b], self.picture.pixels[pixel])
+        };
+        (0..differs.len()).all(|pixel| !differs[pixel] || by(pixel) <= faint(self.steps()))
     }
 
     /// Other coverages that may explain what differs. Moving by half a pixel changes much of what lies along edges.
@@ -221,6 +236,12 @@ impl Samples {
         let [(differing, a), (others, b)] = [pick(true), pick(false)];
         Self { differing, others, of: [a, b] }
     }
+}
+
+/// Up to so many steps, a difference is too little to tell its cause, where rounding may be `steps`: leaving out or moving
+/// whatever does not matter has that much of an effect.
+pub(super) fn faint(steps: u8) -> u8 {
+    steps.saturating_mul(2).saturating_add(1)
 }
 
 /// The largest difference of red, green or blue.

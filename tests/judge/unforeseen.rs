@@ -49,7 +49,9 @@ fn exchanged_channels_are_not_right() {
         }
         assert!(!found.right, "{}", case.name);
         assert!(found.hypothesis.is_none(), "{}: {:?}", case.name, found.hypothesis);
-        let told = pixels(&found, Class::Unexplained);
+        // Hairs are thinner than a pixel: edges pass through all of theirs.
+        let classes = [Class::Unexplained, Class::Partial, Class::Faint];
+        let told: u64 = classes.into_iter().map(|class| pixels(&found, class)).sum();
         assert!(2 * told > found.metrics.pixels_beyond, "{}: {:?}", case.name, found.classes);
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::answer::{Entry, of};
 use super::class::Class;
 use super::rule::Maker;
-use super::whole::{CROSSED, Seen, largest};
+use super::whole::{CROSSED, Seen, faint, largest};
 use crate::render::Lists;
 use cause::{Cause, Look};
 use edge::{Near, fragments, toggled};
@@ -97,8 +97,7 @@ impl Seen<'_> {
             (format.decode(a.depth) - format.decode(b.depth)).abs() <= limits.depth
         };
         let by = largest(maker.color(list, &mut scratch[0]), picture);
-        // Less than that can be had by leaving out or moving whatever does not matter.
-        let faint = by <= 2 * steps + 1;
+        let faint = by <= faint(steps);
         let at_edge =
             !near.is_empty() && toggled(list, near, |list| look.gives(list, &mut scratch[1]));
         let near_class = match () {

@@ -43,6 +43,8 @@ impl Rule {
         let mut rules: Vec<Self> =
             placements.map(|placement| Self { placement, ..right }).collect();
         use {Background as B, Blending as L, Encoding as E, Fragments as F};
+        let bytes = [L::Bytes { encoded: true }, L::Bytes { encoded: false }];
+        rules.extend(bytes.map(|blending| Self { blending, ..right }));
         let encodings = [E::None, E::Twice, E::Swapped, E::Power];
         rules.extend(encodings.map(|encoding| Self { encoding, ..right }));
         let blendings = [
@@ -58,6 +60,9 @@ impl Rule {
         rules.extend(blendings.map(|blending| Self { blending, ..right }));
         let backgrounds = [B::Black, B::White, B::Encoded, B::Decoded];
         rules.extend(backgrounds.map(|background| Self { background, ..right }));
+        if answer.options.k.is_some() {
+            rules.push(Self { fragments: F::All, ..right });
+        }
         let orders = [
             F::TiesFirst,
             F::TiesLast,
@@ -75,15 +80,10 @@ impl Rule {
             F::Farthest,
         ];
         rules.extend(orders.map(|fragments| Self { fragments, ..right }));
-        if answer.options.k.is_some() {
-            rules.push(Self { fragments: F::All, ..right });
-        }
         let deepest = answer.lists.offsets.windows(2).map(|ends| ends[1] - ends[0]).max();
         let most = (deepest.unwrap_or(0) as u32).min(MOST_KEPT);
         rules.extend((1..most).map(|n| Self { fragments: F::Nearest(n), ..right }));
         rules.extend((1..most).map(|n| Self { fragments: F::First(n), ..right }));
-        let bytes = [L::Bytes { encoded: true }, L::Bytes { encoded: false }];
-        rules.extend(bytes.map(|blending| Self { blending, ..right }));
         rules
     }
 
