@@ -73,7 +73,7 @@
 //!
 //! `error` → `num` → `image` → `scene` → `fragment` → `raster` → `memory` → `scheme` → `resolve` → `exec` →
 //! `catalogue` → `effect` → `render` → `inspect` → `explore` → `gpu` → `report` →
-//! `golden` → `reproduce` → `cli`
+//! `golden` → `judge` → `reproduce` → `cli`
 
 pub mod catalogue;
 pub mod cli;
@@ -87,6 +87,7 @@ pub mod golden;
 pub mod gpu;
 pub mod image;
 pub mod inspect;
+pub mod judge;
 pub mod memory;
 pub mod num;
 pub mod raster;

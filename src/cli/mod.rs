@@ -23,7 +23,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::catalogue::{Catalogue, nearest};
 use crate::error::Result;
-use draw::{bench, compare, export, inspect, render, report};
+use draw::{bench, compare, export, inspect, judge, render, report};
 pub use golden::CommandLine;
 #[cfg(feature = "gpu")]
 use list::adapters;
@@ -56,6 +56,8 @@ enum Command {
     Report(Box<report::Args>),
     /// Write a scene as glTF for other renderers, with what they should draw, and where they may differ.
     Export(Box<export::Args>),
+    /// Judge another renderer's picture or fragments against the exact answer, and say why they differ.
+    Judge(Box<judge::Args>),
     /// Explore interleavings; say what is verified, violated or unknown.
     Check(Box<check::Args>),
     /// Replay a failing schedule.
@@ -126,6 +128,7 @@ fn run(catalogue: &Catalogue, command: &Command) -> Result<Verdict> {
         Command::Inspect(args) => inspect::run(catalogue, args),
         Command::Report(args) => report::run(catalogue, args),
         Command::Export(args) => export::run(args),
+        Command::Judge(args) => judge::run(args),
         Command::Check(args) => check::run(catalogue, args),
         Command::Replay(args) => replay::run(catalogue, args),
         Command::Bench(args) => bench::run(catalogue, args),

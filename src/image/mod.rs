@@ -5,9 +5,11 @@ mod canvas;
 pub mod difference;
 pub(crate) mod drawing;
 pub mod flip;
+pub mod foreign;
 pub mod heat;
 #[cfg(test)]
 mod ledger;
+pub mod legend;
 pub mod linear;
 pub mod metrics;
 pub mod plot;

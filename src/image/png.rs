@@ -63,7 +63,56 @@ pub fn decode_any(file: impl BufRead + Seek, most: u32) -> Result<Image, String>
     read(file, most, Transformations::EXPAND | Transformations::STRIP_16)
 }
 
+/// The picture in a PNG file of any depth, each channel as a part of 1, as it is stored; what has no opacity is opaque.
+///
+/// # Errors
+/// As [`decode_any`].
+pub fn decode_deep(
+    file: impl BufRead + Seek,
+    most: u32,
+) -> Result<([u32; 2], Vec<[f64; 4]>), String> {
+    let Raw { size, channels, deep, bytes } = raw(file, most, Transformations::EXPAND)?;
+    let values: Vec<f64> = match deep {
+        false => bytes.iter().map(|&byte| f64::from(byte) / 255.0).collect(),
+        true => {
+            let (words, _) = bytes.as_chunks();
+            words.iter().map(|&word| f64::from(u16::from_be_bytes(word)) / 65_535.0).collect()
+        }
+    };
+    Ok((size, values.chunks_exact(channels).map(|pixel| rgba(pixel, 1.0)).collect()))
+}
+
 fn read(file: impl BufRead + Seek, most: u32, how: Transformations) -> Result<Image, String> {
+    let Raw { size: [width, height], channels, deep, bytes } = raw(file, most, how)?;
+    if deep {
+        return Err("has 16 bits per channel: must be 8 or fewer".to_owned());
+    }
+    let pixels = bytes.chunks_exact(channels).map(|pixel| rgba(pixel, 255)).collect();
+    Ok(Image { width, height, pixels })
+}
+
+/// A pixel's gray or colour, and its opacity, if it has one.
+pub(super) fn rgba<T: Copy + Default>(channels: &[T], opaque: T) -> [T; 4] {
+    match *channels {
+        [gray] => [gray, gray, gray, opaque],
+        [gray, alpha] => [gray, gray, gray, alpha],
+        [red, green, blue] => [red, green, blue, opaque],
+        [red, green, blue, alpha, ..] => [red, green, blue, alpha],
+        [] => [T::default(); 4],
+    }
+}
+
+/// What a file holds.
+struct Raw {
+    size: [u32; 2],
+    /// Of a pixel.
+    channels: usize,
+    /// 16 bits per channel, and not 8.
+    deep: bool,
+    bytes: Vec<u8>,
+}
+
+fn raw(file: impl BufRead + Seek, most: u32, how: Transformations) -> Result<Raw, String> {
     let broken = |error: png::DecodingError| format!("must be a PNG picture ({error})");
     let mut decoder = Decoder::new(file);
     decoder.set_transformations(how);
@@ -72,21 +121,11 @@ fn read(file: impl BufRead + Seek, most: u32, how: Transformations) -> Result<Im
     if width > most || height > most {
         return Err(format!("is {width}x{height}, but each edge must be 1 to {most}"));
     }
-    if reader.output_color_type().1 != BitDepth::Eight {
-        return Err("has 16 bits per channel: must be 8 or fewer".to_owned());
-    }
+    let deep = reader.output_color_type().1 != BitDepth::Eight;
     let mut bytes = vec![0; reader.output_buffer_size().unwrap_or(0)];
     let frame = reader.next_frame(&mut bytes).map_err(broken)?;
-    let pixel = |channels: &[u8]| match *channels {
-        [gray] => [gray, gray, gray, 255],
-        [gray, alpha] => [gray, gray, gray, alpha],
-        [red, green, blue] => [red, green, blue, 255],
-        [red, green, blue, alpha, ..] => [red, green, blue, alpha],
-        [] => [0; 4],
-    };
-    let channels = frame.color_type.samples();
-    let pixels = bytes[..frame.buffer_size()].chunks_exact(channels).map(pixel).collect();
-    Ok(Image { width, height, pixels })
+    bytes.truncate(frame.buffer_size());
+    Ok(Raw { size: [width, height], channels: frame.color_type.samples(), deep, bytes })
 }
 
 #[cfg(test)]
@@ -139,6 +178,9 @@ mod tests {
         assert!(read(&deep).unwrap_err().contains("16 bits"));
         let upper = decode_any(Cursor::new(&deep), 64).unwrap();
         assert_eq!(upper.pixels, [[1, 1, 1, 255], [3, 3, 3, 255]]);
+        let (size, whole) = decode_deep(Cursor::new(&deep), 64).unwrap();
+        let parts = [258.0, 772.0].map(|word: f64| word / 65_535.0);
+        assert_eq!((size, whole), ([2, 1], parts.map(|c| [c, c, c, 1.0]).to_vec()));
     }
 
     #[test]

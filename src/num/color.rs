@@ -60,9 +60,14 @@ static SRGB: LazyLock<Vec<u8>> =
 static SRGB16: LazyLock<Vec<u16>> =
     LazyLock::new(|| (0..=u16::MAX).map(|c| (encoded(c) * 65_535.0 + 0.5) as u16).collect());
 
-/// From linear to sRGB, 0..1.
+/// From linear to sRGB.
 fn encoded(linear: u16) -> f64 {
-    let c = f64::from(linear) / 65_535.0;
+    encode(f64::from(linear) / 65_535.0)
+}
+
+/// From linear to sRGB, both 0..1 (IEC 61966-2-1).
+#[must_use]
+pub fn encode(c: f64) -> f64 {
     if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 }
 }
 

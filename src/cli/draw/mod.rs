@@ -5,6 +5,7 @@ pub(super) mod compare;
 pub(super) mod export;
 mod frames;
 pub(super) mod inspect;
+pub(super) mod judge;
 mod picture;
 mod reference;
 pub(super) mod render;

@@ -1,10 +1,13 @@
-//! OpenEXR files. The settings are fixed, so that equal pictures give equal bytes with one version of the encoder;
+//! OpenEXR files. For writing, the settings are fixed, so that equal pictures give equal bytes with one version of the encoder;
 //! across versions, only the pixels are guaranteed.
 
 use std::io::Cursor;
 
 use exr::error::Error;
-use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+use exr::prelude::{
+    Encoding, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, SpecificChannels,
+    WritableImage, read,
+};
 
 use super::Linear;
 
@@ -30,10 +33,36 @@ pub fn encode(picture: &Linear) -> Result<Vec<u8>, Error> {
     Ok(bytes.into_inner())
 }
 
+/// The picture in an OpenEXR file: its first layer with channels R, G and B, and A where there is one, as they are
+/// stored.
+///
+/// # Errors
+/// What is wrong with it: no OpenEXR, cut off, without those channels, or an edge above `most` pixels.
+pub fn decode(bytes: &[u8], most: u32) -> Result<([u32; 2], Vec<[f64; 4]>), String> {
+    let broken = |error: Error| format!("must be an OpenEXR picture with R, G and B ({error})");
+    // The size is checked before anything of it is allocated.
+    let meta =
+        exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
+    for header in &meta.headers {
+        let [width, height] = [header.layer_size.width(), header.layer_size.height()];
+        if width > most as usize || height > most as usize {
+            return Err(format!("is {width}x{height}, but each edge must be 1 to {most}"));
+        }
+    }
+    let reader = read().no_deep_data().largest_resolution_level().rgba_channels(
+        |size, _| (size.width(), vec![[0.0_f64; 4]; size.width() * size.height()]),
+        |(width, pixels), at, (r, g, b, a): (f32, f32, f32, f32)| {
+            pixels[at.y() * *width + at.x()] = [r, g, b, a].map(f64::from);
+        },
+    );
+    let reader = reader.first_valid_layer().all_attributes().non_parallel();
+    let layer = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?.layer_data;
+    let size = [layer.size.width() as u32, layer.size.height() as u32];
+    Ok((size, layer.channel_data.pixels.1))
+}
+
 #[cfg(test)]
 mod tests {
-    use exr::prelude::{ReadChannels, ReadLayers, read};
-
     use super::*;
 
     #[test]
@@ -42,17 +71,15 @@ mod tests {
         let picture = Linear { width: 32, height: 20, pixels };
         let bytes = encode(&picture).unwrap();
         assert_eq!(encode(&picture).unwrap(), bytes);
-        let reader = read().no_deep_data().largest_resolution_level().rgba_channels(
-            |size, _| vec![[0.0_f32; 4]; size.width() * size.height()],
-            |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
-                pixels[at.y() * 32 + at.x()] = [r, g, b, a];
-            },
-        );
-        let image =
-            reader.first_valid_layer().all_attributes().from_buffered(Cursor::new(bytes)).unwrap();
+        let (size, pixels) = decode(&bytes, 32).unwrap();
+        assert_eq!(size, [32, 20]);
         let places = (0..20).flat_map(|y| (0..32).map(move |x| (x, y)));
-        let expected: Vec<[f32; 4]> = places.map(|(x, y)| picture.parts(x, y)).collect();
-        assert_eq!(image.layer_data.channel_data.pixels, expected);
+        let parts = places.map(|(x, y)| picture.parts(x, y).map(f64::from));
+        assert_eq!(pixels, parts.collect::<Vec<_>>());
+        assert!(decode(&bytes, 31).unwrap_err().contains("32x20"));
+        for end in [0, 4, 40, bytes.len() / 2] {
+            assert!(decode(&bytes[..end], 32).unwrap_err().contains("OpenEXR"), "{end}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod near;
 
 use serde::Serialize;
 
+pub use self::near::near_edges;
 use self::near::{edges, ties};
 use crate::error::Result;
 use crate::num::color;

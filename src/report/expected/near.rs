@@ -6,17 +6,29 @@ use crate::raster::clip::{Snapped, UNITS};
 use crate::resolve::Lists;
 
 /// The pixels whose centre is at most `distance` pixels from an edge of a drawn triangle, as rows.
-pub(super) fn edges(front: &FrontEnd, [width, height]: [u32; 2], distance: f64) -> Vec<[u32; 3]> {
+pub(super) fn edges(front: &FrontEnd, size: [u32; 2], distance: f64) -> Vec<[u32; 3]> {
+    let mut near = vec![false; size[0] as usize * size[1] as usize];
+    near_edges(front, size, distance, |_, pixel| near[pixel] = true);
+    rows(&near, size[0])
+}
+
+/// Call `mark` with a primitive's index and a pixel, row by row, for every pixel whose centre is at most `distance`
+/// pixels from an edge of that primitive: once for every such edge. `front` must have been made with
+/// [`FrontEnd::outlined`].
+pub fn near_edges(
+    front: &FrontEnd,
+    size: [u32; 2],
+    distance: f64,
+    mut mark: impl FnMut(usize, usize),
+) {
     let units = (distance * f64::from(UNITS)) as i64;
-    let mut near = vec![false; width as usize * height as usize];
-    for polygon in front.outlines() {
+    for (primitive, polygon) in front.outlines().iter().enumerate() {
         let corners = polygon.vertices();
         for (i, &from) in corners.iter().enumerate() {
             let edge = Edge::new(from, corners[(i + 1) % corners.len()]);
-            edge.mark(units, [width, height], &mut near);
+            edge.mark(units, size, |pixel| mark(primitive, pixel));
         }
     }
-    rows(&near, width)
 }
 
 /// Pixels with two fragments, one after the other, whose depths are at most `distance` apart and whose data differ.
@@ -62,8 +74,8 @@ impl Edge {
         Self { from, along: [to[0] - from[0], to[1] - from[1]] }
     }
 
-    /// Mark the pixels whose centre is at most `units` away.
-    fn mark(&self, units: i64, [width, height]: [u32; 2], near: &mut [bool]) {
+    /// Call `mark` for the pixels whose centre is at most `units` away.
+    fn mark(&self, units: i64, [width, height]: [u32; 2], mut mark: impl FnMut(usize)) {
         let unit = i64::from(UNITS);
         // The first centre at or behind a coordinate, within an image's edge.
         let first =
@@ -84,7 +96,7 @@ impl Edge {
             };
             for column in first(ends[0] - units - 1, width)..past(ends[1] + units + 1, width) {
                 if self.is_near([column * unit + unit / 2, center], units) {
-                    near[row as usize * width as usize + column as usize] = true;
+                    mark(row as usize * width as usize + column as usize);
                 }
             }
         }
@@ -130,7 +142,7 @@ mod tests {
             let edge = Edge::new(a, b);
             for units in [0, 16, 100] {
                 let mut near = vec![false; 24 * 17];
-                edge.mark(units, size, &mut near);
+                edge.mark(units, size, |pixel| near[pixel] = true);
                 for (i, &near) in near.iter().enumerate() {
                     let center = [i as i64 % 24, i as i64 / 24].map(|c| c * 256 + 128);
                     assert_eq!(near, edge.is_near(center, units), "{a:?} {b:?} {units} {center:?}");

@@ -2,19 +2,9 @@
 
 use super::Element;
 use crate::error::{Error, Result};
+use crate::num::npy::Array;
 use crate::scene::model::Unplaced;
 use crate::scene::volume::Grid;
-
-/// What a header says.
-#[derive(Debug)]
-struct Header {
-    element: Element,
-    big: bool,
-    /// The first axis is the fastest.
-    fortran: bool,
-    /// z, y and x.
-    shape: [u64; 3],
-}
 
 /// Reads a file. `place` names it in messages.
 ///
@@ -25,76 +15,30 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Grid> {
 }
 
 fn read(bytes: &[u8]) -> Unplaced<Grid> {
-    let (text, data) = split(bytes)?;
-    let Header { element, big, fortran, shape: [z, y, x] } = header(text)?;
+    let Array { element, big, fortran, shape, data } = Array::of(bytes)?;
+    let element = named(element)?;
+    let right = "shape: must be three whole numbers, (z, y, x)";
+    let [z, y, x] = <[u64; 3]>::try_from(shape).map_err(|_| right)?;
     let values = element.decode(data, [x, y, z], big)?;
     let size = [x as usize, y as usize, z as usize];
     Grid::new(size, if fortran { turned(&values, size) } else { values })
 }
 
-/// The header's text and the data.
-fn split(bytes: &[u8]) -> Unplaced<(&str, &[u8])> {
-    let rest = bytes.strip_prefix(b"\x93NUMPY").ok_or("header: is not that of a .npy file")?;
-    let short = "header: is cut off";
-    let &[major, _minor, ref rest @ ..] = rest else { return Err(short.to_owned()) };
-    let (length, rest) = match (major, rest) {
-        (1, &[a, b, ref rest @ ..]) => (u32::from(u16::from_le_bytes([a, b])), rest),
-        (2 | 3, &[a, b, c, d, ref rest @ ..]) => (u32::from_le_bytes([a, b, c, d]), rest),
-        (1..=3, _) => return Err(short.to_owned()),
-        _ => return Err(format!("header: version {major} is not 1, 2 or 3")),
-    };
-    let (text, data) = rest.split_at_checked(length as usize).ok_or(short)?;
-    let text = std::str::from_utf8(text).map_err(|_| "header: is not text")?;
-    Ok((text, data))
-}
-
-fn header(text: &str) -> Unplaced<Header> {
-    let descr = field(text, "descr")?;
-    let descr = descr.strip_prefix('\'').and_then(|rest| Some(rest.split_once('\'')?.0));
-    let (element, big) = element(descr.ok_or("descr: must be one type, like '<f4'")?)?;
-    let fortran = match field(text, "fortran_order")? {
-        rest if rest.starts_with("True") => true,
-        rest if rest.starts_with("False") => false,
-        _ => return Err("fortran_order: must be True or False".to_owned()),
-    };
-    let shape =
-        field(text, "shape")?.strip_prefix('(').and_then(|rest| Some(rest.split_once(')')?.0));
-    let parts = shape.into_iter().flat_map(|inner| inner.split(','));
-    let parts = parts.map(str::trim).filter(|part| !part.is_empty());
-    let axes: Option<Vec<u64>> = parts.map(|part| part.parse().ok()).collect();
-    let shape = axes.and_then(|axes| <[u64; 3]>::try_from(axes).ok());
-    let shape = shape.ok_or("shape: must be three whole numbers, (z, y, x)")?;
-    Ok(Header { element, big, fortran, shape })
-}
-
-/// What follows a name.
-fn field<'a>(text: &'a str, name: &str) -> Unplaced<&'a str> {
-    let rest = text.split_once(&format!("'{name}'")).map(|(_, rest)| rest.trim_start());
-    let rest = rest.and_then(|rest| rest.strip_prefix(':'));
-    rest.map(str::trim_start).ok_or_else(|| format!("header: {name} is missing"))
-}
-
-fn element(descr: &str) -> Unplaced<(Element, bool)> {
-    let (big, name) = match descr.split_at_checked(1) {
-        Some(("<" | "|" | "=", name)) => (false, name),
-        Some((">", name)) => (true, name),
-        _ => (false, descr),
-    };
-    let element = match name {
-        "u1" => Element::U8,
-        "i1" => Element::I8,
-        "u2" => Element::U16,
-        "i2" => Element::I16,
-        "u4" => Element::U32,
-        "i4" => Element::I32,
-        "f4" => Element::F32,
-        "f8" => Element::F64,
+fn named(name: &str) -> Unplaced<Element> {
+    match name {
+        "u1" => Ok(Element::U8),
+        "i1" => Ok(Element::I8),
+        "u2" => Ok(Element::U16),
+        "i2" => Ok(Element::I16),
+        "u4" => Ok(Element::U32),
+        "i4" => Ok(Element::I32),
+        "f4" => Ok(Element::F32),
+        "f8" => Ok(Element::F64),
         _ => {
             let right = "must be one of u1, i1, u2, i2, u4, i4, f4, f8";
-            return Err(format!("descr: {descr:?} {right}"));
+            Err(format!("descr: {name:?} {right}"))
         }
-    };
-    Ok((element, big))
+    }
 }
 
 /// From z fastest to x fastest.
