@@ -344,6 +344,7 @@ fn a_frame_that_does_not_fit_is_refused() {
     let small = Options { max_memory: 1_000, ..Options::default() };
     let error = Frame::new(&layers(6), &[small]).map(|_| ()).expect_err("too many fragments");
     assert_eq!(error.place(), "--max-memory");
-    let depths = Frame::new(&layers(2), &[options("occupancy", None)]);
+    let scene = layers(2);
+    let depths = Frame::new(&scene, &[options("occupancy", None)]);
     assert_eq!(depths.map(|_| ()).expect_err("no lists").place(), "-m");
 }
