@@ -185,7 +185,7 @@ impl Seen<'_> {
         let differing = count(&|p| differs[p]);
         let along = 2 * count(&|p| differs[p] && near[p]) >= differing;
         let across = 2 * count(&|p| differs[p] && crossed[p]) >= differing;
-        let much = across && 6 * differing >= count(&|p| crossed[p]);
+        let much = across && 16 * differing >= count(&|p| crossed[p]);
         let variants = Variant::all(&answer.options).into_iter();
         let wanted = |variant: &Variant| match variant {
             Variant::Moved(_) => much,
