@@ -233,7 +233,8 @@ fn dumps_are_compared_fragment_by_fragment() {
             first && far(a, b) && far(b, c) && distinct && inside(a.0, a.1)
         })
         .expect("three fragments");
-    let with = |change: &dyn Fn(&mut Vec<(u32, u32, u32, u32)>)| {
+    type Lines = Vec<(u32, u32, u32, u32)>;
+    let with = |change: &dyn Fn(&mut Lines)| {
         let mut own = lines.clone();
         change(&mut own);
         write(&own);
@@ -278,8 +279,8 @@ fn opacity_is_read_as_the_format_says() {
     let mut image = picture(&dir, "a.png");
     for pixel in &mut image.pixels {
         let a = u32::from(pixel[3]);
-        for c in 0..3 {
-            pixel[c] = ((u32::from(pixel[c]) * a + 127) / 255) as u8;
+        for c in &mut pixel[..3] {
+            *c = ((u32::from(*c) * a + 127) / 255) as u8;
         }
     }
     put(&dir, "b.png", &image);
@@ -298,6 +299,7 @@ fn opacity_is_read_as_the_format_says() {
     put(&dir, "c.png", &image);
     let document = dir.run(&format!("judge {SCENE} c.png --json")).json();
     assert_eq!(document["pictures"][0]["hypothesis"]["as_if"], "opacity were to be ignored");
+    assert_eq!(dir.names(), ["a.png", "b.png", "c.png"], "without -o nothing is written");
     assert_eq!(dir.run(&format!("judge {SCENE} c.png --opacity ignored")).code, 0);
 }
 

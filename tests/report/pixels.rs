@@ -41,7 +41,8 @@ fn a_page_with_other_data_is_seen_to_be_wrong() {
     let pixel = [50, 40];
     let found = inspect(&scene(), &methods(Data::Color), pixel).expect("inspected");
     assert!(found.fragments.len() > 2);
-    let faults: [(&str, &dyn Fn(&str) -> String); 4] = [
+    type Fault<'a> = &'a dyn Fn(&str) -> String;
+    let faults: [(&str, Fault<'_>); 4] = [
         ("a fate", &|text| changed::fate(text, pixel, SIZE)),
         ("a fragment left out", &|text| changed::without_fragment(text, pixel, SIZE)),
         ("a colour", &|text| changed::color(text, pixel, SIZE)),

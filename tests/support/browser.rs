@@ -95,19 +95,19 @@ impl Browser {
         });
         let (session, calls, events) = (None, 0, Vec::new());
         let mut browser = Self { child, to, from, session, calls, events, _profile: profile };
-        let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
-        let session = browser.call("Target.attachToTarget", attach);
+        let session = browser.call("Target.attachToTarget", &attach);
         browser.session = Some(session["sessionId"].as_str().unwrap().to_owned());
         for domain in ["Page", "Runtime", "Log", "Network"] {
-            browser.call(&format!("{domain}.enable"), json!({}));
+            browser.call(&format!("{domain}.enable"), &json!({}));
         }
         Some(browser)
     }
 
     /// Call a method of the protocol.
     #[track_caller]
-    pub(crate) fn call(&mut self, method: &str, params: Value) -> Value {
+    pub(crate) fn call(&mut self, method: &str, params: &Value) -> Value {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": params });
         if let Some(session) = &self.session {
@@ -130,7 +130,7 @@ impl Browser {
     /// Open a file, and wait until it says that it is ready.
     pub(crate) fn open(&mut self, path: &Path) {
         let url = format!("file://{}", path.display());
-        let done = self.call("Page.navigate", json!({ "url": url }));
+        let done = self.call("Page.navigate", &json!({ "url": url }));
         assert!(done.get("errorText").is_none(), "{done}");
         self.wait("document.documentElement?.dataset.ready === 'yes'");
     }
@@ -140,7 +140,7 @@ impl Browser {
     pub(crate) fn eval(&mut self, expression: &str) -> Value {
         let params =
             json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        let done = self.call("Runtime.evaluate", params);
+        let done = self.call("Runtime.evaluate", &params);
         assert!(done.get("exceptionDetails").is_none(), "{expression}: {done}");
         done["result"]["value"].clone()
     }
@@ -185,7 +185,7 @@ impl Browser {
         let params = json!({
             "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1,
         });
-        self.call("Input.dispatchMouseEvent", params);
+        self.call("Input.dispatchMouseEvent", &params);
     }
 
     /// Click on a part of an element.
@@ -241,21 +241,21 @@ impl Browser {
         } else {
             params["code"] = json!(key);
         }
-        self.call("Input.dispatchKeyEvent", params.clone());
+        self.call("Input.dispatchKeyEvent", &params);
         params["type"] = json!("keyUp");
-        self.call("Input.dispatchKeyEvent", params);
+        self.call("Input.dispatchKeyEvent", &params);
     }
 
     /// Show the page as on `screen` or in `print`, in the `light` or `dark` scheme.
     pub(crate) fn emulate(&mut self, media: &str, scheme: &str) {
         let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
         let params = json!({ "media": media, "features": features });
-        self.call("Emulation.setEmulatedMedia", params);
+        self.call("Emulation.setEmulatedMedia", &params);
     }
 
     /// What the window shows.
     pub(crate) fn screenshot(&mut self) -> Image {
-        let shot = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
         let bytes = STANDARD.decode(shot["data"].as_str().unwrap()).unwrap();
         png::decode(Cursor::new(bytes), 1 << 14).unwrap()
     }

@@ -27,6 +27,9 @@ pub(super) struct Fate {
     pub(super) codes: u64,
 }
 
+/// Whether an exact fragment and a dumped one may be the same.
+type Fits<'a> = &'a dyn Fn(Pair, Pair) -> bool;
+
 /// How a dumped list, in its order, differs from the exact one: what became of each fragment, of the dumped list and of
 /// those that are not in it.
 pub(super) fn compare(exact: &[Pair], dumped: &[Pair], same: &Same<'_>) -> Vec<Fate> {
@@ -34,7 +37,7 @@ pub(super) fn compare(exact: &[Pair], dumped: &[Pair], same: &Same<'_>) -> Vec<F
     let mut taken = vec![false; exact.len()];
     // By dumped fragment: which exact one it is.
     let mut is: Vec<Option<usize>> = vec![None; dumped.len()];
-    let rounds: [(Class, &dyn Fn(Pair, Pair) -> bool); 5] = [
+    let rounds: [(Class, Fits<'_>); 5] = [
         (Class::Equal, &|a, b| a == b),
         (Class::Rounding, &|a, b| (same.is_near)(a.0, b.0) && (same.is_alike)(a.1, b.1)),
         (Class::Depth, &|a, b| a.1 == b.1),
