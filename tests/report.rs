@@ -8,6 +8,8 @@ mod changed;
 mod command;
 #[path = "report/files.rs"]
 mod files;
+#[path = "report/judged.rs"]
+mod judged;
 #[path = "report/looks.rs"]
 mod looks;
 #[path = "report/pixels.rs"]

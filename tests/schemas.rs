@@ -90,6 +90,12 @@ fn lines(name: &str) -> Vec<String> {
             "inspect cubes --pixel 12,8 -m kb,dfb+sfm,wboit --exec sim",
             "inspect cubes --pixel 0,0",
         ]),
+        "judge" => sized(&[
+            "judge cubes a.png",
+            "judge cubes a.png b.png --report page.html",
+            "judge cubes f.npz -k 2",
+        ]),
+        "report" => sized(&["report cubes -m kb,wboit -o page.html"]),
         "info" => plain(&["info cubes", "info layers:count=2 --size 16x16"]),
         "replay" => [KB, ENDLESS, PANIC].map(|token| format!("replay {token} --json")).to_vec(),
         "timeline" => [KB, ENDLESS, PANIC].map(|t| format!("replay {t} -o t.json -q")).to_vec(),
@@ -114,6 +120,11 @@ fn documents(name: &str) -> Vec<Value> {
         let path = dir.path("g/golden.toml");
         let text = fs::read_to_string(&path).expect("a manifest");
         fs::write(&path, text.replacen("\"ab-ll\"", "\"z-buffer\"", 1)).expect("a manifest");
+    }
+    if name == "judge" {
+        for line in ["-m kplus-array -k 1 -o a.png", "-m exact -o b.png --fragments f.npz"] {
+            assert_eq!(dir.run(&format!("render cubes --size 24x16 -q {line}")).code, 0, "{line}");
+        }
     }
     let document = |line: &String| {
         let run = dir.run(line);

@@ -1,6 +1,7 @@
 //! `fragloom judge`: another renderer's pictures, or its fragments, against the exact answer.
 
 mod allowed;
+mod page;
 mod read;
 mod table;
 
@@ -13,6 +14,7 @@ use self::allowed::{Allowed, Exceeded};
 use self::read::{Input, read};
 use crate::cli::Verdict as Found;
 use crate::cli::options::flags::{Drawing, Output};
+use crate::cli::options::page as output;
 use crate::cli::options::settings::{Settings as Drawn, complete};
 use crate::cli::terminal::{say, wait};
 use crate::error::{Error, Result};
@@ -65,6 +67,10 @@ pub(in crate::cli) struct Args {
     /// runs.png and runs-difference.png [default: not written]
     #[arg(short = 'o', value_name = "DIR")]
     folder: Option<PathBuf>,
+
+    /// Also write a page for browsers: the pictures, their classes, and the fragments of every pixel [default: none]
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 
     #[command(flatten)]
     drawing: Drawing,
@@ -132,6 +138,11 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Found> {
         files::check_folder("-o", folder)?;
         files::check_apart(&named, &[&scene.files[..], &args.pictures].concat())?;
     }
+    if let Some(path) = &args.report {
+        output::check("--report", path)?;
+        let with_maps = [&named[..], &[("--report", path)]].concat();
+        files::check_apart(&with_maps, &[&scene.files[..], &args.pictures].concat())?;
+    }
     let inputs = args.pictures.iter().map(|path| read(path, &options));
     let inputs = inputs.collect::<Result<Vec<Input>>>()?;
     let several = inputs.len() > 1;
@@ -143,9 +154,16 @@ pub(in crate::cli) fn run(args: &Args) -> Result<Found> {
     let threads = options.worker_threads();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
+    let answer = wait::during(quiet, &message, || pool.install(|| Answer::new(&scene, &options)))?;
     let document = wait::during(quiet, &message, || {
-        pool.install(|| judged(args, (&scene, &options), &settings, inputs, &allowed))
+        pool.install(|| judged(args, (&scene, &options), &answer, &settings, inputs, &allowed))
     })?;
+    if let Some(path) = &args.report {
+        wait::during(quiet, "writing the page", || {
+            let page = page::page(&scene, &options.exact(options.k), answer.picture(), &document);
+            output::write(path, &page?)
+        })?;
+    }
     if args.folder.is_some() {
         maps(&outputs, &scene, &document)?;
     }
@@ -175,26 +193,26 @@ fn settings(args: &Args) -> Result<Settings> {
 fn judged(
     args: &Args,
     (scene, options): (&Scene, &Options),
+    answer: &Answer<'_>,
     settings: &Settings,
     inputs: Vec<Input>,
     allowed: &Allowed,
 ) -> Result<Document> {
-    let answer = Answer::new(scene, options)?;
     let (mut pictures, mut dumps) = (Vec::new(), Vec::new());
     for (path, input) in args.pictures.iter().zip(inputs) {
         let name = path.display().to_string();
         match input {
             Input::Dump(dump) => {
-                dumps.push(dump::judge(&answer, &dump, options.data, &name, settings)?);
+                dumps.push(dump::judge(answer, &dump, options.data, &name, settings)?);
             }
             Input::Picture(mut picture) => {
                 picture.opacity = args.opacity.map_or(picture.opacity, Into::into);
                 picture.space = args.space.map_or(picture.space, Into::into);
-                pictures.push(judge(&answer, &picture, &name, settings)?);
+                pictures.push(judge(answer, &picture, &name, settings)?);
             }
         }
     }
-    let runs = (pictures.len() > 1).then(|| compare(&answer, &pictures, settings));
+    let runs = (pictures.len() > 1).then(|| compare(answer, &pictures, settings));
     let exceeded = allowed.exceeded(&pictures, &dumps, runs.as_ref());
     let own = pictures.iter().flat_map(|verdict: &Verdict| verdict.warnings.iter());
     let warnings = scene.warnings.iter().chain(own).cloned().collect();

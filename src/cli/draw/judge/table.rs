@@ -23,7 +23,7 @@ pub(super) fn table(document: &Document) -> String {
 }
 
 /// The last line.
-fn last(document: &Document) -> String {
+pub(super) fn last(document: &Document) -> String {
     let exceeded: Vec<String> = document
         .exceeded
         .iter()
@@ -69,7 +69,7 @@ fn picture(verdict: &Verdict) -> String {
 }
 
 /// How far a hypothesis holds.
-fn extent(held: &Held) -> String {
+pub(super) fn extent(held: &Held) -> String {
     let of = percent(held.explains, held.of);
     let explains = thousands(held.explains);
     let against = match held.contradicts {
@@ -79,7 +79,7 @@ fn extent(held: &Held) -> String {
     format!("explains {explains} of {} pixels ({of}), {against}", thousands(held.of))
 }
 
-fn culprit(own: &Culprit) -> String {
+pub(super) fn culprit(own: &Culprit) -> String {
     let object = own.object.as_ref().map(|name| format!(" ({name})")).unwrap_or_default();
     let of = own.of.map(|of| format!(" of its {}", thousands(of))).unwrap_or_default();
     let [x, y] = own.first;
@@ -144,7 +144,7 @@ fn dump(verdict: &DumpVerdict) -> String {
     text
 }
 
-fn odd(own: &Odd) -> String {
+pub(super) fn odd(own: &Odd) -> String {
     let [x, y] = own.pixel;
     let triangle = match (own.triangle, &own.object) {
         (Some(triangle), Some(object)) => format!(", triangle {triangle} ({object})"),
