@@ -166,6 +166,7 @@ fn what_is_left_out_is_named() {
     for (folder, warning) in [
         ("normal-index-out", "m.obj: line 6: f: normal 9 is not among the 1 so far"),
         ("unused-nan-vertex", "m.obj: line 5: v: \"nan\" is not a finite number"),
+        ("vertex-w", "m.obj: line 1: v 8 8 0 0.5: w is a weight of free-form curves"),
         ("no-position", "m.gltf: mesh 0 primitive 1: has no POSITION"),
         ("two-corners", "m.obj: line 6: f 1 2: faces of fewer than 3 corners"),
         ("looks-khr_materials_volume", "extensionsUsed: KHR_materials_volume: is not drawn"),

@@ -129,7 +129,6 @@ impl Reader {
     fn vertex(&mut self, line: usize, rest: &str) {
         let values: Vec<_> = rest.split_whitespace().map(number).collect();
         let position = match &values[..] {
-            [Ok(x), Ok(y), Ok(z), Ok(w)] => divided([*x, *y, *z], *w),
             [Ok(x), Ok(y), Ok(z), ..] => Ok([*x, *y, *z]),
             [x, y, z, ..] => {
                 Err([x, y, z].into_iter().find_map(|v| v.clone().err()).unwrap_or_default())
@@ -143,7 +142,12 @@ impl Reader {
         }));
         let tally = &mut self.said.tally;
         match &values[..] {
-            [_, _, _] | [_, _, _, _] => {}
+            [_, _, _] => {}
+            [_, _, _, Ok(w)] if *w == 1.0 => {}
+            // Some readers divide by it; the format and most readers do not.
+            [_, _, _, _] => tally.add("w is a weight of free-form curves, and not used", || {
+                format!("line {line}: v {}", clipped(rest))
+            }),
             [_, _, _, Ok(r), Ok(g), Ok(b), rest @ ..] if rest.len() <= 1 => {
                 let mut channel = |value| tally.clamped(value, || format!("line {line}: v: color"));
                 let color = [*r, *g, *b].map(&mut channel);
@@ -232,14 +236,6 @@ impl Reader {
             texcoord: texcoord.filter(lies).map_or(NONE, |texcoord| texcoord as u32),
         })
     }
-}
-
-fn divided(position: [f64; 3], w: f64) -> Unplaced<[f64; 3]> {
-    let position = position.map(|c| c / w);
-    if position.iter().all(|c| c.is_finite()) {
-        return Ok(position);
-    }
-    Err(format!("w = {w} makes no finite place"))
 }
 
 /// An index of a face's corner, made absolute, from 0; `None` where it is left out.
