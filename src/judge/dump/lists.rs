@@ -5,6 +5,9 @@ use crate::judge::class::Class;
 /// A fragment: depth word and data word.
 pub(super) type Pair = (u32, u32);
 
+/// Whether a dumped fragment may be an exact one.
+type Fits<'a> = &'a dyn Fn(Pair, Pair) -> bool;
+
 /// What is the same.
 pub(super) struct Same<'a> {
     /// Whether two depth words are nearly the same depth.
@@ -34,7 +37,7 @@ pub(super) fn compare(exact: &[Pair], dumped: &[Pair], same: &Same<'_>) -> Vec<F
     let mut taken = vec![false; exact.len()];
     // By dumped fragment: which exact one it is.
     let mut is: Vec<Option<usize>> = vec![None; dumped.len()];
-    let rounds: [(Class, &dyn Fn(Pair, Pair) -> bool); 5] = [
+    let rounds: [(Class, Fits<'_>); 5] = [
         (Class::Equal, &|a, b| a == b),
         (Class::Rounding, &|a, b| (same.is_near)(a.0, b.0) && (same.is_alike)(a.1, b.1)),
         (Class::Depth, &|a, b| a.1 == b.1),

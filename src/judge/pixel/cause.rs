@@ -119,9 +119,9 @@ impl Look<'_> {
         }
         let mut submitted: Vec<u32> = self.list.iter().map(|entry| entry.triangle).collect();
         submitted.sort_unstable();
-        for n in 1..all {
+        for (n, &next) in submitted.iter().enumerate().skip(1) {
             made.clear();
-            made.extend(self.list.iter().filter(|entry| entry.triangle < submitted[n]));
+            made.extend(self.list.iter().filter(|entry| entry.triangle < next));
             if self.gives(made, scratch) {
                 causes.push(Cause::First(n as u32));
             }
