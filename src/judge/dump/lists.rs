@@ -5,6 +5,9 @@ use crate::judge::class::Class;
 /// A fragment: depth word and data word.
 pub(super) type Pair = (u32, u32);
 
+/// Whether a dumped fragment may be an exact one.
+type Fits<'a> = &'a dyn Fn(Pair, Pair) -> bool;
+
 /// What is the same.
 pub(super) struct Same<'a> {
     /// Whether two depth words are nearly the same depth.
@@ -26,9 +29,6 @@ pub(super) struct Fate {
     /// With another depth: by how many codes.
     pub(super) codes: u64,
 }
-
-/// Whether an exact fragment and a dumped one may be the same.
-type Fits<'a> = &'a dyn Fn(Pair, Pair) -> bool;
 
 /// How a dumped list, in its order, differs from the exact one: what became of each fragment, of the dumped list and of
 /// those that are not in it.
