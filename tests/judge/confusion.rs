@@ -449,6 +449,8 @@ const ALIKE: &[(&str, &str, Class, &str)] = &[
     ("a triangle dropped", "hairball", Class::Edge, THIN),
     ("a triangle drawn twice", "hairball", Class::Edge, THIN),
     ("4 sub-pixel bits", "cubes", Class::Swapped, FEW),
+    ("moved by half a pixel", "interpenetrating", Class::Order, CROSSING),
+    ("red and blue exchanged", "synthetic", Class::Faint, PALE),
 ];
 
 const SAME: &str = "the picture is the same, byte by byte or within the tolerance";
@@ -456,6 +458,9 @@ const WHITE: &str =
     "all triangles are backs, or light adds up beyond white: what is seen is the white background";
 const THIN: &str =
     "it is thinner than a pixel: an edge is near to the centre of each of its pixels";
+const CROSSING: &str =
+    "only the line where triangles cross moves: there, two fragments change places";
+const PALE: &str = "its colours are so pale that no channel differs by more than 3 of 255";
 const FEW: &str =
     "depths move with the corners, and few pixels differ at all: faces that cross change places";
 

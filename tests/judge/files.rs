@@ -186,11 +186,12 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
 #[test]
 fn dumps_are_compared_fragment_by_fragment() {
     let dir = Dir::new();
-    let scene = scene("layers:count=6", [64, 48]);
+    let [width, height] = [160, 120];
+    let scene = scene("cubes", [width, height]);
     let answer = Answer::new(&scene, &exact()).unwrap();
     let mut lines: Vec<Line> = Vec::new();
-    for y in 0..48 {
-        for x in 0..64 {
+    for y in 0..height {
+        for x in 0..width {
             let list = answer.lists().pixel(x, y);
             lines.extend(list.iter().map(|e| (x, y, e.depth, e.color)));
         }
@@ -201,7 +202,7 @@ fn dumps_are_compared_fragment_by_fragment() {
         fs::write(dir.path("a.csv"), text).unwrap();
     };
     let judged = || {
-        let run = dir.run("judge layers:count=6 --size 64x48 a.csv --json");
+        let run = dir.run("judge cubes --size 160x120 a.csv --json");
         let document = run.json();
         let own = &document["dumps"][0];
         let counts = own["fragments"].as_array().unwrap().iter().map(|count| {
@@ -220,7 +221,7 @@ fn dumps_are_compared_fragment_by_fragment() {
     };
     // No edge is near where all around have the same.
     let inside = |x: u32, y: u32| {
-        (x > 0 && y > 0 && x < 63 && y < 47) && {
+        (x > 0 && y > 0 && x + 1 < width && y + 1 < height) && {
             let around = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
             around.into_iter().all(|(u, v)| triangles(u, v) == triangles(x, y))
         }
