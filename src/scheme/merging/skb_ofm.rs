@@ -139,8 +139,11 @@ impl<K: Kind> Scheme for SkbOfm<K> {
                 }
                 if let Some(left) = left {
                     let (place, mut tail) = (self.k - 1, left);
-                    if self.is_there(mem, pixel, place).await != 0 {
-                        tail = self.merged(self.get(mem, pixel, place).await).with::<K::Mix>(left);
+                    let last = self.last(mem, pixel, place).await;
+                    if last != 0 {
+                        tail = self
+                            .merged(last, self.get(mem, pixel, place, last).await)
+                            .with::<K::Mix>(left);
                     }
                     self.put(mem, pixel, place, tail).await;
                 }
@@ -246,7 +249,8 @@ impl<K: Kind> SkbOfm<K> {
             let (from, to) = (near.max(own.near), depth.min(own.depth));
             let overlaps = from < to || (K::CLOSED && from == to);
             if overlaps && !(K::FIRST_ONLY && joined.is_some()) {
-                new = self.merged(self.get(mem, pixel, i).await).with::<K::Mix>(new);
+                let last = self.last(mem, pixel, i).await;
+                new = self.merged(last, self.get(mem, pixel, i, last).await).with::<K::Mix>(new);
                 if joined.is_none() {
                     joined = Some(i);
                     i += 1;
@@ -254,7 +258,8 @@ impl<K: Kind> SkbOfm<K> {
                     // Two records become one: the last takes the free place, and is looked at next.
                     count -= 1;
                     if i < count {
-                        let last = self.merged(self.get(mem, pixel, count).await);
+                        let last = self.last(mem, pixel, count).await;
+                        let last = self.merged(last, self.get(mem, pixel, count, last).await);
                         self.put(mem, pixel, i, last).await;
                     }
                 }
@@ -267,8 +272,10 @@ impl<K: Kind> SkbOfm<K> {
             let mut farther = farthest == NONE || depth > first;
             if !farther && depth == first {
                 let [one, other] = [i, farthest];
-                let one = self.merged(self.get(mem, pixel, one).await);
-                let other = self.merged(self.get(mem, pixel, other).await);
+                let last = self.last(mem, pixel, one).await;
+                let one = self.merged(last, self.get(mem, pixel, one, last).await);
+                let last = self.last(mem, pixel, other).await;
+                let other = self.merged(last, self.get(mem, pixel, other, last).await);
                 farther = one.order::<K::Mix>(&other).is_gt();
             }
             if farther {
@@ -283,14 +290,15 @@ impl<K: Kind> SkbOfm<K> {
             place = joined;
         } else if count < room {
             if bound != NONE
-                && self.is_there(mem, pixel, room).await != 0
+                && self.last(mem, pixel, room).await != 0
                 && own.depth > mem.plain_load(self.near.at(pixel, room)).await
             {
                 return Some(own);
             }
             count += 1;
         } else {
-            let record = self.merged(self.get(mem, pixel, farthest).await);
+            let last = self.last(mem, pixel, farthest).await;
+            let record = self.merged(last, self.get(mem, pixel, farthest, last).await);
             let nearer = own.order::<K::Mix>(&record).is_lt();
             if K::TAIL == Tail::NotEvicting || !nearer {
                 return Some(own);
@@ -347,25 +355,32 @@ impl<K: Kind> SkbOfm<K> {
         fragment.depth.saturating_sub(thickness.round_ties_even() as u32)
     }
 
-    /// Not 0 if the tail, record `i`, holds anything.
+    /// The last word of record `i`. That of the tail is 0 if it holds nothing.
     #[inline(always)]
     #[track_caller]
-    fn is_there<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = u64> {
+    fn last<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = u64> {
         mem.plain_load(self.last.at(pixel, i))
     }
 
-    /// A record's words.
+    /// The other words of a record with that last word; what it has no use for is not read.
     #[inline(always)]
     #[track_caller]
-    fn get<M: Memory>(&self, mem: &M, pixel: u32, i: u32) -> impl Future<Output = Words5> {
+    fn get<M: Memory>(
+        &self,
+        mem: &M,
+        pixel: u32,
+        i: u32,
+        last: u64,
+    ) -> impl Future<Output = Words4> {
+        let sum = |n: u32| match K::Mix::single(last) {
+            // In its place, what was read already: no word is read that was never written.
+            Some(_) => self.last.at(pixel, i),
+            None => self.sums.at(pixel, 2 * i + n),
+        };
         // No array of futures: `map` is not inlined.
         let ends =
             both(mem.plain_load(self.near.at(pixel, i)), mem.plain_load(self.depth.at(pixel, i)));
-        let last = both(
-            mem.plain_load(self.sums.at(pixel, 2 * i + 1)),
-            mem.plain_load(self.last.at(pixel, i)),
-        );
-        both(ends, both(mem.plain_load(self.sums.at(pixel, 2 * i)), last))
+        both(ends, both(mem.plain_load(sum(0)), mem.plain_load(sum(1))))
     }
 
     #[inline(always)]
@@ -399,7 +414,7 @@ impl<K: Kind> SkbOfm<K> {
 
     /// A record of its words.
     #[inline(always)]
-    fn merged(&self, ((near, depth), (a, (b, last))): Words5) -> Merged {
+    fn merged(&self, last: u64, ((near, depth), (a, b)): Words4) -> Merged {
         let sums = match K::Mix::single(last) {
             Some(word) => K::Mix::one(word, &self.logarithms),
             None => [a, b, last],
@@ -408,8 +423,8 @@ impl<K: Kind> SkbOfm<K> {
     }
 }
 
-/// What reading a record gives.
-type Words5 = ((u32, u32), (u64, (u64, u64)));
+/// What reading a record gives, but for its last word.
+type Words4 = ((u32, u32), (u64, u64));
 
 /// What writing one gives.
 type Stores = (((), ()), ((), ((), ())));

@@ -14,9 +14,6 @@ struct Merged {
     log: vec2<u32>,
 }
 
-// The words that it is in memory, besides its ends.
-const SUMS: u32 = 3u;
-
 // -log2(1 - a) of every opacity byte, four to a vector, with 24 bits after the point.
 @group(0) @binding(4) var<uniform> logarithms: array<vec4<u32>, 64>;
 
