@@ -38,7 +38,7 @@ use crate::scheme::kplus_buffer::kplus_heap::{self, KPlusHeap};
 use crate::scheme::kplus_buffer::kplus_multi::{self, KPlusMulti};
 use crate::scheme::kplus_buffer::kplus_sb::{self, KPlusSb};
 use crate::scheme::merging::dfb_merged::{self, DfbMerged, Overlapping, Smooth};
-use crate::scheme::merging::skb_ofm::{self, SkbOfm};
+use crate::scheme::merging::skb_ofm::{SkbOfm, forms};
 use crate::scheme::parts::lock::reach::Updated;
 use crate::scheme::peeling::depth_peel::{self, DepthPeel};
 use crate::scheme::peeling::depth_peel_bucket::BucketPeel;
@@ -102,9 +102,9 @@ catalogue! {
         DfbMerged<Smooth>,
         DfbMerged<Smooth<dfb_merged::Released>>,
         DfbMerged<Overlapping>,
-        SkbOfm,
-        SkbOfm<skb_ofm::Published>,
-        SkbOfm<skb_ofm::Released>,
+        SkbOfm<forms::Exact>,
+        SkbOfm<forms::Published>,
+        SkbOfm<forms::Released>,
         Wboit,
         wboit::PublishedF32,
         Mbt,
@@ -205,11 +205,11 @@ catalogue! {
         DfbMerged<Smooth<dfb_merged::FrontOnly>>,
         DfbMerged<Smooth<dfb_merged::Squared>>,
         DfbMerged<Smooth<dfb_merged::MixedTail>>,
-        SkbOfm<skb_ofm::TailOutside>,
-        SkbOfm<skb_ofm::NotEvicting>,
-        SkbOfm<skb_ofm::EightBits>,
-        SkbOfm<skb_ofm::FirstOnly>,
-        SkbOfm<skb_ofm::Closed>,
+        SkbOfm<forms::TailOutside>,
+        SkbOfm<forms::NotEvicting>,
+        SkbOfm<forms::EightBits>,
+        SkbOfm<forms::FirstOnly>,
+        SkbOfm<forms::Closed>,
         Wboit<wboit::ConstantWeight>,
         Wboit<wboit::PremultipliedTwice>,
         Wboit<wboit::EightBits>,
