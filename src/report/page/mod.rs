@@ -1,8 +1,8 @@
 //! A page for browsers: one HTML file that needs no other file and no network. It shows pictures, tables, the fragments
 //! of every pixel, and interleavings.
 //!
-//! A page is made of sections. Whoever has something to show makes [`Section`]s of it, adds them with [`Page::add`], and
-//! writes the page:
+//! A page is made of sections. A command makes a [`Section`] of each thing that it shows, adds them with [`Page::add`],
+//! and writes the page:
 //!
 //! * a [`Section::Facts`] is names and values, with sentences below them;
 //! * a [`Section::Table`] is a [`Grid`] whose rows may lead to other sections ([`Table`]);
