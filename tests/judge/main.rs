@@ -4,6 +4,7 @@ mod confusion;
 mod files;
 #[cfg(feature = "gpu")]
 mod hardware;
+mod kinds;
 mod laws;
 mod unforeseen;
 mod wrong;
