@@ -74,7 +74,7 @@ fn fragments_are_those_of_the_reference() {
         assert_eq!(front.triangles, 20);
         let mut seen = std::collections::BTreeMap::new();
         front.packets_in_order(|packet| {
-            let primitive = &front.primitives()[packet.primitive as usize];
+            let primitive = front.primitive(packet.primitive);
             for bit in (0..64u32).filter(|bit| packet.mask >> bit & 1 == 1) {
                 let (x, y) =
                     (u32::from(packet.column) * 8 + bit % 8, u32::from(packet.row) * 8 + bit / 8);
@@ -84,7 +84,8 @@ fn fragments_are_those_of_the_reference() {
             }
         });
         fragments += seen.len() as u64;
-        for (index, outline) in (0u32..).zip(front.outlines()) {
+        for index in front.indices() {
+            let outline = front.outline(index).unwrap();
             for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
                 let expected = naive::fragment(outline, x, y);
                 assert_eq!(seen.get(&(index, x, y)), expected.as_ref(), "{outline:?} at {x}, {y}");
@@ -110,7 +111,7 @@ fn an_octagon_has_its_corners_on_the_rim() {
     let front =
         front(&scene(vec![disc], Projection::Orthographic { height: 2.7 }, DMat4::IDENTITY));
     // Ten pixels to a unit; y points down.
-    let outline = &front.outlines()[0];
+    let outline = front.outline(0).unwrap();
     assert_eq!(outline.vertices().len(), 8);
     for (i, corner) in (0..8).zip(outline.vertices()) {
         let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::FRAC_PI_4);
@@ -177,9 +178,10 @@ fn a_disc_takes_one_index() {
     scene.objects.push(second);
     assert_eq!(scene.triangles(), 5);
     let front = front(&scene);
-    let indices: Vec<u32> = front.primitives().iter().map(|p| p.triangle).collect();
+    let indices: Vec<u32> = front.primitives().map(|p| p.triangle).collect();
     assert_eq!(indices, [0, 1, 2, 3, 4]);
-    let corners: Vec<usize> = front.outlines().iter().map(|o| o.vertices().len()).collect();
+    let corners = |index| front.outline(index).unwrap().vertices().len();
+    let corners: Vec<usize> = front.indices().into_iter().map(corners).collect();
     assert_eq!(corners, [8, 8, 3, 8, 8]);
 }
 

@@ -7,6 +7,7 @@ use crate::memory::Layout;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::layout::Sizes;
 use crate::memory::reuse::Reuse;
+use crate::raster::Room;
 
 /// Storage and room that are not in use. By default nothing is kept, since no other frame follows.
 #[derive(Debug, Default)]
@@ -15,6 +16,8 @@ pub struct Kit {
     keeps: bool,
     /// Words of memory.
     pub memory: Reuse,
+    /// Primitives and bins.
+    pub front: Room,
     /// Of the frame before, how large records are and how many pixels have them.
     sizes: Mutex<Option<([Sizes; 2], usize)>>,
     /// Results that were consumed, by tile.
@@ -25,7 +28,7 @@ impl Kit {
     /// For several frames, one after another.
     #[must_use]
     pub fn of_several() -> Self {
-        Self { keeps: true, ..Self::default() }
+        Self { keeps: true, front: Room::of_several(), ..Self::default() }
     }
 
     /// A frame begins. If its words are of other sizes than those of the frame before, that frame's are given back, so

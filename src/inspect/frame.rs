@@ -141,7 +141,7 @@ fn of_tile(view: &View<'_>, tile: usize) -> Vec<Vec<Generated>> {
     let mut batch = Batch::default();
     front.packets(tile, |packet| {
         let first = front.grid.local_block(packet) * 64;
-        let triangle = front.primitives()[packet.primitive as usize].triangle;
+        let triangle = front.primitive(packet.primitive).triangle;
         front.fragments(packet, view.words, first, &mut batch);
         for fragment in batch.iter() {
             let (depth, color) = (fragment.depth, fragment.data);

@@ -124,7 +124,7 @@ pub(super) fn gather(front: &FrontEnd, format: Format) -> Lists<Entry> {
         let (mut found, mut batch) = (Vec::new(), Batch::default());
         front.packets(tile, |packet| {
             front.fragments(packet, record, 0, &mut batch);
-            let triangle = front.primitives()[packet.primitive as usize].triangle;
+            let triangle = front.primitive(packet.primitive).triangle;
             let (x, y) = (u32::from(packet.column) * 8, u32::from(packet.row) * 8);
             for fragment in batch.iter() {
                 let pixel = (y + fragment.pixel / 8) * grid.width + x + fragment.pixel % 8;

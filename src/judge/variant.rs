@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::answer::{Entry, gather, join};
-use crate::raster::clip::{Polygon, Snapped, UNITS};
+use crate::raster::clip::{Snapped, UNITS};
 use crate::raster::primitive::{Primitive, Setup};
 use crate::raster::{CullFace, FrontEnd};
 use crate::render::Options;
@@ -95,18 +95,15 @@ fn redrawn(
 ) -> Lists<Entry> {
     let image = front.grid.image();
     let width = front.grid.width;
-    let both: Vec<(&Primitive, &Polygon)> =
-        front.primitives().iter().zip(front.outlines()).collect();
-    let part = |part: &[(&Primitive, &Polygon)]| {
+    let part = |part: &[u32]| {
         let mut found = Vec::new();
-        for &(primitive, outline) in part {
+        for &index in part {
+            let Some(outline) = front.outline(index) else { continue };
+            let (primitive, surface) = (front.primitive(index), front.surface(index));
             let corners: Vec<Snapped> = outline.vertices().iter().map(|&v| turn(v)).collect();
-            let Setup::Visible(moved) =
-                Primitive::new(&Polygon::new(&corners), primitive.triangle, image)
-            else {
+            let Setup::Visible(moved) = Primitive::new(&corners, primitive.triangle, image) else {
                 continue;
             };
-            let surface = front.surface(primitive);
             moved.blocks(image, |x, y, mask| {
                 for bit in crate::raster::batch::bits(mask) {
                     let ([x, y], depth) = place(primitive, &moved, [x + bit % 8, y + bit / 8]);
@@ -119,7 +116,7 @@ fn redrawn(
         }
         found
     };
-    let parts: Vec<Vec<(u32, Entry)>> = both.par_chunks(1_024).map(part).collect();
+    let parts: Vec<Vec<(u32, Entry)>> = front.indices().par_chunks(1_024).map(part).collect();
     let mut all = parts.concat();
     all.par_sort_unstable();
     join(&front.grid, &[all])

@@ -10,10 +10,22 @@ pub const EMPTY: u32 = u32::MAX;
 pub const FARTHEST: u32 = u32::MAX - 1;
 
 /// The code of a depth in 0..1: `min(round_half_even(z * (2^32 - 1)), 2^32 - 2)`. Values outside are clamped.
+#[inline]
 #[must_use]
 pub fn code(z: f64) -> u32 {
-    let scaled = (z.clamp(0.0, 1.0) * f64::from(u32::MAX)).round_ties_even();
+    let scaled = round_ties_even(z.clamp(0.0, 1.0) * f64::from(u32::MAX));
     (scaled as u32).min(FARTHEST)
+}
+
+/// 1.5 * 2^52: f64 has no fraction bits from 2^52 to 2^53.
+const SHIFT: f64 = 6_755_399_441_055_744.0;
+
+/// The nearest integer, halves to even, of a value within ±2^51. The same as [`f64::round_ties_even`], but for the sign
+/// of zero; that one is a call on machines without an instruction for it, to which x86-64 in general belongs.
+#[inline]
+#[must_use]
+pub fn round_ties_even(v: f64) -> f64 {
+    (v + SHIFT) - SHIFT
 }
 
 /// What a scheme stores for a depth code. Every format keeps the order of codes, and never makes [`EMPTY`].
@@ -89,7 +101,26 @@ impl Format {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    const LIMIT: f64 = 2_251_799_813_685_248.0;
+
+    proptest! {
+        #[test]
+        fn is_that_of_the_standard_library(v in -LIMIT..LIMIT, whole in -1_000i32..1_000) {
+            let halves = f64::from(whole) * 0.5;
+            for v in [v, v / 3e9, halves, halves + f64::EPSILON, LIMIT, -LIMIT, LIMIT - 0.5] {
+                prop_assert!(round_ties_even(v) == v.round_ties_even(), "{v}");
+            }
+        }
+    }
+
+    #[test]
+    fn keeps_what_is_not_a_number() {
+        assert!(round_ties_even(f64::NAN).is_nan());
+    }
 
     #[test]
     fn codes_round_half_to_even_and_leave_empty_free() {

@@ -7,7 +7,7 @@
 
 use glam::DVec4;
 
-use crate::num::depth;
+use crate::num::depth::{self, round_ties_even};
 
 /// Half the guard band in pixels; coordinates after snapping lie within ± this.
 pub const GUARD_BAND: i32 = 32_768;
@@ -42,19 +42,22 @@ pub struct Snapped {
 
 impl Viewport {
     /// Snap a point in pixels to the grid, halves to even, and its depth in 0..1 to a code.
+    #[inline]
     #[must_use]
     pub fn snap(&self, x: f64, y: f64, z: f64) -> Snapped {
         Snapped { x: self.snap_axis(x), y: self.snap_axis(y), z: depth::code(z) }
     }
 
+    #[inline]
     fn snap_axis(&self, v: f64) -> i32 {
         let steps = f64::from(1u32 << self.sub_pixel_bits);
         let limit = f64::from(GUARD_BAND) * steps;
         let units = UNITS >> self.sub_pixel_bits;
-        (v * steps).round_ties_even().clamp(-limit, limit) as i32 * units
+        round_ties_even((v * steps).clamp(-limit, limit)) as i32 * units
     }
 
     /// Divide by w and map to pixels: x = (x/w * 0.5 + 0.5) * width, y = (0.5 - y/w * 0.5) * height.
+    #[inline]
     fn project(&self, v: DVec4) -> Snapped {
         let x = (v.x / v.w * 0.5 + 0.5) * f64::from(self.width);
         let y = (0.5 - v.y / v.w * 0.5) * f64::from(self.height);
@@ -62,6 +65,7 @@ impl Viewport {
     }
 
     /// Signed distances to the clip planes, inside where >= 0: near, far, left, right, top, bottom guard band.
+    #[inline]
     fn distances(&self, v: DVec4) -> [f64; 6] {
         let guard = f64::from(GUARD_BAND);
         let (half_w, half_h) = (f64::from(self.width) * 0.5, f64::from(self.height) * 0.5);
@@ -76,6 +80,7 @@ impl Viewport {
     }
 
     /// Where a vertex lies on the screen, if it is inside of all clip planes.
+    #[inline]
     #[must_use]
     pub fn place(&self, v: DVec4) -> Option<Snapped> {
         self.distances(v).iter().all(|&d| d >= 0.0).then(|| self.project(v))
@@ -159,18 +164,32 @@ impl Polygon {
 
     /// Its fan: (v0, v1, v2), (v0, v2, v3), ...
     pub fn fan(&self) -> impl Iterator<Item = [Snapped; 3]> + '_ {
-        let v = self.vertices();
-        (2..v.len()).map(move |i| [v[0], v[i - 1], v[i]])
+        fan(self.vertices())
     }
 
     /// Twice the signed area in square units; above 0 is clockwise on the screen.
     #[must_use]
     pub fn doubled_area(&self) -> i64 {
-        self.fan().map(doubled_area).sum()
+        doubled_area_of(self.vertices())
     }
 }
 
+/// The fan of a convex polygon: (v0, v1, v2), (v0, v2, v3), ...
+#[inline]
+pub(super) fn fan(v: &[Snapped]) -> impl Iterator<Item = [Snapped; 3]> + '_ {
+    (2..v.len()).map(move |i| [v[0], v[i - 1], v[i]])
+}
+
+/// Twice the signed area of a convex polygon in square units; above 0 is clockwise on the screen.
+#[allow(clippy::inline_always, reason = "three vertices, known to be three, take no loop")]
+#[inline(always)]
+#[must_use]
+pub fn doubled_area_of(vertices: &[Snapped]) -> i64 {
+    fan(vertices).map(doubled_area).sum()
+}
+
 /// Twice the signed area of a triangle in square units; above 0 is clockwise on the screen (y points down).
+#[inline]
 #[must_use]
 pub fn doubled_area([a, b, c]: [Snapped; 3]) -> i64 {
     let (bx, by) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));

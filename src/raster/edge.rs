@@ -19,6 +19,7 @@ pub struct Edge {
 }
 
 /// The three edges of a triangle of non-zero area, turned clockwise first.
+#[inline]
 #[must_use]
 pub fn edges(triangle: [Snapped; 3]) -> [Edge; 3] {
     let [v0, mut v1, mut v2] = triangle;
@@ -29,6 +30,7 @@ pub fn edges(triangle: [Snapped; 3]) -> [Edge; 3] {
 }
 
 impl Edge {
+    #[inline]
     fn new(from: Snapped, to: Snapped) -> Self {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         let top_left = dy < 0 || (dy == 0 && dx > 0);

@@ -20,7 +20,7 @@ impl FrontEnd {
     /// Replace a batch by a packet's fragments; their pixels count from `first_pixel`, the place of the block's first
     /// pixel.
     pub fn fragments(&self, packet: Packet, record: Record, first_pixel: u32, batch: &mut Batch) {
-        let primitive = &self.primitives()[packet.primitive as usize];
+        let primitive = self.primitive(packet.primitive);
         let Packet { mask, .. } = packet;
         let (x, y) = (u32::from(packet.column) * BLOCK, u32::from(packet.row) * BLOCK);
         batch.first = first_pixel;
@@ -37,7 +37,7 @@ impl FrontEnd {
             }
         }
         format.encode_all(&mut batch.depths);
-        match (record.data, self.surface(primitive), &self.attenuation) {
+        match (record.data, self.surface(packet.primitive), &self.attenuation) {
             (Data::Nothing, ..) => batch.data.fill(0),
             (Data::Primitive, ..) => batch.data.fill(primitive.triangle),
             (Data::Color, Surface::Uniform(word), _) => batch.data.fill(*word),
@@ -68,11 +68,12 @@ impl FrontEnd {
     ) {
         let window = Rect { x0: x, y0: y, x1: x + 1, y1: y + 1 };
         let mut batch = Batch::default();
-        for (index, primitive) in (0..).zip(self.primitives()) {
+        for index in self.indices() {
+            let triangle = self.primitive(index).triangle;
             self.primitive_packets(index, window, |packet| {
                 self.fragments(packet, record, 0, &mut batch);
                 for fragment in batch.iter() {
-                    emit(primitive.triangle, Fragment { pixel: 0, ..fragment });
+                    emit(triangle, Fragment { pixel: 0, ..fragment });
                 }
             });
         }
@@ -82,8 +83,8 @@ impl FrontEnd {
     /// (transparent) if that triangle is not visible.
     #[must_use]
     pub fn color_of(&self, triangle: u32, x: u32, y: u32, depth: u32) -> u32 {
-        let Some(primitive) = self.primitive_of(triangle) else { return 0 };
-        match (self.surface(primitive), &self.attenuation) {
+        let Some(index) = self.index_of(triangle) else { return 0 };
+        match (self.surface(index), &self.attenuation) {
             (Surface::Uniform(word), _) => *word,
             (surface, None) => surface.at(x, y),
             (surface, Some(light)) => surface.attenuated(x, y, light.transmittance(x, y, depth)),

@@ -21,6 +21,6 @@ pub mod slab;
 
 pub use batch::Batch;
 pub use emit::Record;
-pub use front::{CullFace, FrontEnd};
+pub use front::{CullFace, FrontEnd, Room};
 pub use grid::Grid;
 pub use shade::Attenuation;

@@ -4,10 +4,10 @@
 use glam::{DMat4, DVec3, DVec4};
 use rayon::prelude::*;
 
-use super::clip::{Polygon, Snapped, Viewport};
+use super::clip::{Snapped, Viewport};
 use super::disc::Lying;
 use super::primitive::Rect;
-use super::shade::{Corners, Lighting, Seen, Surface};
+use super::shade::{Attributes, Lighting, Seen, Surface};
 use crate::scene::{Disc, Material, Mesh, Object, Scene};
 
 /// An object with its vertices transformed.
@@ -17,45 +17,70 @@ pub(super) struct Placed<'a> {
     light: Lighting,
     transform: DMat4,
     view_projection: DMat4,
-    world: Vec<DVec3>,
-    clip: Vec<DVec4>,
-    /// Where vertices lie on the screen: found once for all triangles that share one.
-    screen: Vec<Option<Snapped>>,
+    vertices: Vec<Vertex>,
     normals: Vec<[f32; 3]>,
     mirrored: bool,
+    /// What lies on all triangles, if they are all the same in any light.
+    flat: Option<Surface>,
+}
+
+/// A vertex in place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    world: DVec3,
+    /// On the screen, if it is finite and inside of all planes: found once for all triangles that share it.
+    screen: Option<Snapped>,
+}
+
+/// The corners of a triangle in place, and the normal of its face, not of unit length.
+pub(super) struct Corners {
+    vertices: [Vertex; 3],
+    normal: DVec3,
 }
 
 impl<'a> Placed<'a> {
-    /// Transform an object's vertices, in parallel.
+    /// Transform an object's vertices, in parallel, in the room of `vertices`.
     #[must_use]
     pub(super) fn new(
         object: &'a Object,
         scene: &'a Scene,
         view_projection: DMat4,
         viewport: &Viewport,
+        mut vertices: Vec<Vertex>,
     ) -> Self {
-        let to_world = |&p: &[f64; 3]| {
-            let w = transform(&object.transform, DVec3::from(p));
-            DVec3::new(w.x, w.y, w.z)
+        let vertex = |&p: &[f64; 3]| {
+            let world = transform(&object.transform, DVec3::from(p)).truncate();
+            let clip = transform(&view_projection, world);
+            let screen = clip.is_finite().then(|| viewport.place(clip)).flatten();
+            Vertex { world, screen }
         };
         let mesh = &*object.mesh;
-        let world: Vec<DVec3> = mesh.positions.par_iter().map(to_world).collect();
-        let clip: Vec<DVec4> = world.par_iter().map(|&p| transform(&view_projection, p)).collect();
-        let screen = clip.par_iter().map(|&v| viewport.place(v)).collect();
+        mesh.positions.par_iter().map(vertex).collect_into_vec(&mut vertices);
         let cofactors = cofactors(&object.transform);
         let normals = mesh.normals.par_iter().map(|&n| turn(&cofactors, n)).collect();
+        let material = &scene.materials[object.material];
+        let plain = mesh.colors.is_empty() && mesh.alphas.is_empty() && material.texture.is_none();
         Self {
             mesh,
-            material: &scene.materials[object.material],
+            material,
             light: Lighting::from(scene.light),
             transform: object.transform,
             view_projection,
-            world,
-            clip,
-            screen,
+            vertices,
             normals,
             mirrored: is_mirrored(&object.transform),
+            flat: plain.then(|| Surface::flat(material)).flatten(),
         }
+    }
+
+    /// The room of its vertices.
+    pub(super) fn leave(self) -> Vec<Vertex> {
+        self.vertices
+    }
+
+    /// What it is made of.
+    pub(super) fn mesh(&self) -> &'a Mesh {
+        self.mesh
     }
 
     /// Whether front faces are seen clockwise here, since the object is mirrored.
@@ -64,45 +89,65 @@ impl<'a> Placed<'a> {
         self.mirrored
     }
 
-    /// The corners of a triangle; `None` if it has no area in the world, or is not finite in clip space.
+    /// The corners of a triangle; `None` if it has no area in the world.
+    #[inline]
     #[must_use]
     pub(super) fn corners(&self, triangle: [u32; 3]) -> Option<Corners> {
-        let at = triangle.map(|i| i as usize);
-        let clip = at.map(|i| self.clip[i]);
-        let [a, b, c] = at.map(|i| self.world[i]);
-        let face_normal = (b - a).cross(c - a);
-        if face_normal == DVec3::ZERO || !clip.iter().all(|v| v.is_finite()) {
-            return None;
-        }
-        let normals = (!self.normals.is_empty()).then(|| at.map(|i| self.normals[i]));
-        let colors = (!self.mesh.colors.is_empty()).then(|| at.map(|i| self.mesh.colors[i]));
-        let alphas = (!self.mesh.alphas.is_empty()).then(|| at.map(|i| self.mesh.alphas[i]));
-        let textured = self.material.texture.is_some() && !self.mesh.places.is_empty();
-        let places = textured.then(|| at.map(|i| self.mesh.places[i]));
-        Some(Corners { clip, face_normal, normals, colors, alphas, places })
+        let [a, b, c] = triangle;
+        let vertices = [a, b, c].map(|i| self.vertices[i as usize]);
+        let [a, b, c] = vertices.each_ref().map(|v| v.world);
+        let normal = (b - a).cross(c - a);
+        (normal != DVec3::ZERO).then_some(Corners { vertices, normal })
     }
 
-    /// A triangle on the screen, clipped.
+    /// A triangle on the screen, if all of it is inside of all planes.
+    #[inline]
+    pub(super) fn screen(&self, corners: &Corners) -> Option<[Snapped; 3]> {
+        let [a, b, c] = corners.vertices;
+        Some([a.screen?, b.screen?, c.screen?])
+    }
+
+    /// A triangle in clip space; `None` if it is not finite there.
     #[must_use]
-    pub(super) fn polygon(
-        &self,
-        triangle: [u32; 3],
-        corners: &Corners,
-        viewport: &Viewport,
-    ) -> Polygon {
-        let placed = triangle.map(|i| self.screen[i as usize]);
-        Polygon::of_placed(placed).unwrap_or_else(|| viewport.clip(corners.clip))
+    pub(super) fn clip(&self, corners: &Corners) -> Option<[DVec4; 3]> {
+        let clip = corners.vertices.map(|v| transform(&self.view_projection, v.world));
+        clip.iter().all(|v| v.is_finite()).then_some(clip)
     }
 
     /// The surface of a triangle, as it is seen.
+    #[inline]
     pub(super) fn surface(
         &self,
+        triangle: [u32; 3],
         corners: &Corners,
         seen: Seen,
         viewport: &Viewport,
         bounds: Rect,
     ) -> Surface {
-        Surface::new(corners, self.material, self.light, seen, viewport, bounds)
+        match &self.flat {
+            Some(surface) if !seen.normals => surface.clone(),
+            _ => self.shaded(triangle, corners, seen, viewport, bounds),
+        }
+    }
+
+    fn shaded(
+        &self,
+        triangle: [u32; 3],
+        corners: &Corners,
+        seen: Seen,
+        viewport: &Viewport,
+        bounds: Rect,
+    ) -> Surface {
+        let at = triangle.map(|i| i as usize);
+        let clip = corners.vertices.map(|v| transform(&self.view_projection, v.world));
+        let normals = (!self.normals.is_empty()).then(|| at.map(|i| self.normals[i]));
+        let colors = (!self.mesh.colors.is_empty()).then(|| at.map(|i| self.mesh.colors[i]));
+        let alphas = (!self.mesh.alphas.is_empty()).then(|| at.map(|i| self.mesh.alphas[i]));
+        let textured = self.material.texture.is_some() && !self.mesh.places.is_empty();
+        let places = textured.then(|| at.map(|i| self.mesh.places[i]));
+        let face_normal = corners.normal;
+        let corners = Attributes { clip, face_normal, normals, colors, alphas, places };
+        Surface::new(&corners, self.material, self.light, seen, viewport, bounds)
     }
 
     /// A disc in place; `None` if it has no area in the world, or is not finite in clip space.
@@ -142,6 +187,7 @@ fn carry(m: &DMat4, v: DVec3) -> DVec4 {
 }
 
 /// m * (p, 1), each row ((x + y) + z) + w.
+#[inline]
 fn transform(m: &DMat4, p: DVec3) -> DVec4 {
     let [x, y, z, w] = m.to_cols_array_2d();
     let row = |i: usize| ((x[i] * p.x + y[i] * p.y) + z[i] * p.z) + w[i];

@@ -10,7 +10,7 @@
 //! then has barycentric coordinates within ±1 on it, so that extrapolation cannot overflow.
 
 use super::batch::{Lanes, bits};
-use super::clip::{Polygon, Snapped, UNITS, doubled_area};
+use super::clip::{Snapped, UNITS, doubled_area};
 use crate::fragment::BLOCK;
 use crate::num::lanes::wide;
 
@@ -38,14 +38,31 @@ pub struct DepthPlane {
 }
 
 impl DepthPlane {
-    /// The plane of a polygon; `None` if all its vertices lie on one line.
+    /// The plane of a convex polygon; `None` if all its vertices lie on one line.
     #[must_use]
-    pub fn new(polygon: &Polygon) -> Option<Self> {
-        let [v0, v1, v2] = carrier(polygon)?;
-        let [a, b, c] = coefficients(v0, v1, v2);
-        let depths = || polygon.vertices().iter().map(|v| v.z);
+    pub fn new(vertices: &[Snapped]) -> Option<Self> {
+        let (mut plane, carrier) = Self::begin(vertices)?;
+        plane.finish(carrier);
+        Some(plane)
+    }
+
+    /// Its depth range, and its carrier.
+    #[allow(clippy::inline_always, reason = "three vertices, known to be three, take no loop")]
+    #[inline(always)]
+    pub(super) fn begin(vertices: &[Snapped]) -> Option<(Self, [Snapped; 3])> {
+        let carrier = carrier(vertices)?;
+        let depths = || vertices.iter().map(|v| v.z);
         let (min, max) = (depths().min()?, depths().max()?);
-        Some(Self { a: a as i64, b: b as i64, c: c as i64, min, max })
+        Some((Self { min, max, ..Self::default() }, carrier))
+    }
+
+    /// Its coefficients.
+    #[inline]
+    pub(super) fn finish(&mut self, [v0, v1, v2]: [Snapped; 3]) {
+        [self.a, self.b, self.c] = match quick([v0, v1, v2]) {
+            Some(coefficients) => coefficients,
+            None => coefficients(v0, v1, v2).map(|v| v as i64),
+        };
     }
 
     /// For a shader that evaluates the same plane: slope to the right, slope down, and the value at pixel (0, 0),
@@ -123,8 +140,12 @@ impl DepthPlane {
 }
 
 /// The vertex triple of largest area, the first on a tie.
-fn carrier(polygon: &Polygon) -> Option<[Snapped; 3]> {
-    let v = polygon.vertices();
+#[allow(clippy::inline_always, reason = "as above")]
+#[inline(always)]
+fn carrier(v: &[Snapped]) -> Option<[Snapped; 3]> {
+    if let &[a, b, c] = v {
+        return (doubled_area([a, b, c]) != 0).then_some([a, b, c]);
+    }
     let mut best = None;
     let mut largest = 0;
     for i in 0..v.len() {
@@ -139,6 +160,75 @@ fn carrier(polygon: &Polygon) -> Option<[Snapped; 3]> {
         }
     }
     best
+}
+
+/// [`coefficients`] modulo 2^64, by products of 64 bits and one division in f64; `None` where these are too narrow,
+/// as for triangles of more than 8,192 square pixels.
+#[allow(clippy::inline_always, reason = "so that triangles overlap in a loop")]
+#[inline(always)]
+fn quick([v0, v1, v2]: [Snapped; 3]) -> Option<[i64; 3]> {
+    let area = doubled_area([v0, v1, v2]);
+    let divisor = Divisor::new(area.abs())?;
+    let of = |v: Snapped| [v.x.into(), v.y.into(), v.z.into()];
+    let [origin, one, two]: [[i64; 3]; 3] = [v0, v1, v2].map(of);
+    let [x1, y1, z1]: [i64; 3] = std::array::from_fn(|i| one[i] - origin[i]);
+    let [x2, y2, z2]: [i64; 3] = std::array::from_fn(|i| two[i] - origin[i]);
+    // Depths have 32 bits and coordinates 25: products have 58.
+    let sign = area.signum();
+    let slopes = [sign * (z1 * y2 - z2 * y1), sign * (z2 * x1 - z1 * x2)];
+    if slopes.iter().any(|slope| slope.abs() >= divisor.limit) {
+        return None;
+    }
+    // Whole slopes per unit, and what is left, below 2^30.
+    let [(a, left_a), (b, left_b)] = slopes.map(|slope| divisor.divide(slope));
+    let wide = UNITS.ilog2() + FRACTION;
+    let slope = |whole: i64, left: i64| (whole << wide).wrapping_add(divisor.round(left << wide));
+    // At the centre of pixel (0, 0), at most 2^24 units away: z0 + a x + b y, whole parts and what is left apart.
+    let half = i64::from(UNITS / 2);
+    let (x, y) = (half - origin[0], half - origin[1]);
+    let (carried, left) = divisor.divide(left_a * x + left_b * y);
+    let whole = (a.wrapping_mul(x)).wrapping_add(b.wrapping_mul(y));
+    let whole = whole.wrapping_add(origin[2] + carried);
+    let c = (whole << FRACTION).wrapping_add(divisor.round(left << FRACTION));
+    Some([slope(a, left_a), slope(b, left_b), c])
+}
+
+/// Divides by an integer below 2^30 by its inverse in f64. That is off by less than 2^-51 of the quotient; below 2^50
+/// this is less than a half, so that one step puts it right.
+#[derive(Clone, Copy)]
+struct Divisor {
+    value: i64,
+    inverse: f64,
+    /// What is divided must be less, without its sign: quotients stay below 2^50.
+    limit: i64,
+}
+
+impl Divisor {
+    #[inline]
+    fn new(value: i64) -> Option<Self> {
+        let fits = (1..1 << 30).contains(&value);
+        let limit = value.saturating_mul(1 << 50);
+        fits.then(|| Self { value, inverse: 1.0 / value as f64, limit })
+    }
+
+    /// n / d towards minus infinity, and what is left, 0 to d - 1.
+    #[inline]
+    fn divide(self, n: i64) -> (i64, i64) {
+        let estimate = n as f64 * self.inverse;
+        // At or one below the integer that is nearest from below.
+        let quotient = estimate as i64 - i64::from(estimate < 0.0);
+        let left = n - quotient * self.value;
+        // The estimate may be on the wrong side of an integer.
+        let step = i64::from(left >= self.value) - i64::from(left < 0);
+        (quotient + step, left - step * self.value)
+    }
+
+    /// n / d to the nearest integer, halves up; n >= 0.
+    #[inline]
+    fn round(self, n: i64) -> i64 {
+        let (quotient, left) = self.divide(n);
+        quotient + i64::from(2 * left >= self.value)
+    }
 }
 
 /// Slopes per pixel and the value at the centre of pixel (0, 0), with 24 fraction bits, each rounded once.
@@ -167,4 +257,72 @@ fn divide_rounding(n: i128, d: i128) -> i128 {
     let (n, d) = (2 * n + d, (2 * d).unsigned_abs());
     let size = n.unsigned_abs();
     if n >= 0 { (size / d) as i128 } else { -(size.div_ceil(d) as i128) }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::num::depth::FARTHEST;
+    use crate::raster::clip::GUARD_BAND;
+
+    /// Triangles of all sizes and slopes anywhere in the guard band: at most `2^reach` units across and `2^depth` codes
+    /// deep.
+    fn triangle() -> impl Strategy<Value = [Snapped; 3]> {
+        let limit = GUARD_BAND * UNITS;
+        let at = (-limit..=limit, -limit..=limit, 0..=FARTHEST);
+        let by = (any::<i64>(), any::<i64>(), any::<i64>());
+        (at, by, by, 0..25u32, 0..33u32).prop_map(move |((x, y, z), p, q, reach, depth)| {
+            let near = |v: i32, by: i64| {
+                let by = by % (1 << reach);
+                (i64::from(v) + by).clamp((-limit).into(), limit.into()) as i32
+            };
+            let deep = |by: i64| {
+                let by = by % (1 << depth);
+                (i64::from(z) + by).clamp(0, FARTHEST.into()) as u32
+            };
+            let at = |(dx, dy, dz)| Snapped { x: near(x, dx), y: near(y, dy), z: deep(dz) };
+            [Snapped { x, y, z }, at(p), at(q)]
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn quick_coefficients_are_the_exact_ones(triangle in triangle()) {
+            let area = doubled_area(triangle);
+            if area == 0 {
+                return Ok(());
+            }
+            let [v0, v1, v2] = triangle;
+            let exact = coefficients(v0, v1, v2).map(|v| v as i64);
+            match quick(triangle) {
+                Some(quick) => prop_assert_eq!(quick, exact),
+                // Less than half of the depth range per unit: no common triangle is steeper.
+                None => prop_assert!(area.abs() >= 1 << 30 || area.abs() < 1 << 12),
+            }
+        }
+    }
+
+    /// Quotients that f64 cannot tell from the integers beside them.
+    #[test]
+    fn quotients_are_exact_next_to_integers() {
+        for value in [1, 2, 3, 7, (1 << 29) + 1, (1 << 30) - 1] {
+            let divisor = Divisor::new(value).unwrap();
+            for quotient in [0, 1, 2, (1 << 32) - 1, (1 << 33) - 1] {
+                for n in [quotient * value - 1, quotient * value, quotient * value + 1] {
+                    for n in [n, -n] {
+                        let expected = (n.div_euclid(value), n.rem_euclid(value));
+                        assert_eq!(divisor.divide(n), expected, "{n} / {value}");
+                    }
+                }
+            }
+            // Halves go up.
+            let half = value / 2;
+            assert_eq!(divisor.round(half), i64::from(2 * half >= value), "{half} / {value}");
+        }
+        assert!(Divisor::new(0).is_none() && Divisor::new(1 << 30).is_none());
+    }
 }

@@ -1,6 +1,6 @@
 //! A primitive: everything needed for the coverage and depth of one clipped and snapped triangle.
 
-use super::clip::{Polygon, UNITS, doubled_area};
+use super::clip::{Snapped, UNITS, doubled_area, doubled_area_of, fan};
 use super::edge::{Edge, block_mask, edges};
 use super::plane::DepthPlane;
 use crate::fragment::BLOCK;
@@ -55,8 +55,6 @@ pub struct Primitive {
     pub bounds: Rect,
     /// Depth.
     pub plane: DepthPlane,
-    /// What `shade` needs.
-    pub(super) surface: u32,
     coverage: Coverage,
 }
 
@@ -69,9 +67,9 @@ enum Coverage {
 
 /// What becomes of a snapped polygon.
 #[derive(Clone, Debug)]
-pub enum Setup {
+pub enum Setup<P = Primitive> {
     /// It may cover pixels.
-    Visible(Primitive),
+    Visible(P),
     /// It lies outside the image, or between pixel centres.
     Nothing,
     /// It has no area.
@@ -79,23 +77,62 @@ pub enum Setup {
 }
 
 impl Primitive {
-    /// Set up a polygon for an image of the given size.
-    #[expect(clippy::new_ret_no_self, reason = "not every polygon becomes a primitive")]
+    /// Set up a convex polygon for an image of the given size.
     #[must_use]
-    pub fn new(polygon: &Polygon, triangle: u32, image: Rect) -> Setup {
-        if polygon.vertices().is_empty() {
+    pub fn new(vertices: &[Snapped], triangle: u32, image: Rect) -> Setup {
+        match Self::begin(vertices, triangle, image) {
+            Setup::Visible((mut primitive, carrier)) => {
+                primitive.finish(carrier);
+                Setup::Visible(primitive)
+            }
+            Setup::Nothing => Setup::Nothing,
+            Setup::Degenerate => Setup::Degenerate,
+        }
+    }
+
+    /// The first half: all but its plane and the edges of a triangle; with the carrier of its plane. There are two
+    /// halves since the second is one long chain of multiplications, of which a loop that does nothing else works at
+    /// several at once.
+    #[allow(clippy::inline_always, reason = "three vertices, known to be three, take no loop")]
+    #[inline(always)]
+    pub(super) fn begin(
+        vertices: &[Snapped],
+        triangle: u32,
+        image: Rect,
+    ) -> Setup<(Self, [Snapped; 3])> {
+        if vertices.is_empty() {
             return Setup::Nothing;
         }
-        let area = polygon.doubled_area();
-        let Some(plane) = DepthPlane::new(polygon).filter(|_| area != 0) else {
+        let area = doubled_area_of(vertices);
+        if area == 0 {
             return Setup::Degenerate;
-        };
-        let bounds = bounds(polygon, image);
+        }
+        let bounds = bounds(vertices, image);
         if bounds.is_empty() {
             return Setup::Nothing;
         }
-        let coverage = Coverage::new(polygon, area);
-        Setup::Visible(Self { triangle, bounds, plane, surface: 0, coverage })
+        let Some((plane, carrier)) = DepthPlane::begin(vertices) else { return Setup::Degenerate };
+        let coverage = Coverage::begin(vertices, area);
+        Setup::Visible((Self { triangle, bounds, plane, coverage }, carrier))
+    }
+
+    /// The second half.
+    #[inline]
+    pub(super) fn finish(&mut self, carrier: [Snapped; 3]) {
+        self.plane.finish(carrier);
+        if let Coverage::Triangle(own) = &mut self.coverage {
+            *own = edges(carrier);
+        }
+    }
+
+    /// All of it as text, with its place among the visible ones, for fingerprints that must not change.
+    #[must_use]
+    pub fn text(&self, place: usize) -> String {
+        let Self { triangle, bounds, plane, coverage } = self;
+        format!(
+            "Primitive {{ triangle: {triangle}, bounds: {bounds:?}, plane: {plane:?}, \
+             surface: {place}, coverage: {coverage:?} }}"
+        )
     }
 
     /// Covered pixels of the block whose first pixel is (x, y), both multiples of 8, within `bounds`.
@@ -132,15 +169,17 @@ impl Primitive {
 }
 
 impl Coverage {
-    fn new(polygon: &Polygon, area: i64) -> Self {
-        if let &[a, b, c] = polygon.vertices() {
-            return Self::Triangle(edges([a, b, c]));
+    #[allow(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
+    fn begin(vertices: &[Snapped], area: i64) -> Self {
+        if vertices.len() == 3 {
+            return Self::Triangle(Default::default());
         }
         let signed = |t| match doubled_area(t) {
             0 => None,
             part => Some((edges(t), (part.signum() * area.signum()) as i8)),
         };
-        Self::Fan(polygon.fan().filter_map(signed).collect())
+        Self::Fan(fan(vertices).filter_map(signed).collect())
     }
 }
 
@@ -175,9 +214,11 @@ fn columns_mask(x: u32, area: Rect) -> u64 {
 }
 
 /// The pixels whose centres lie in the polygon's bounding box.
-fn bounds(polygon: &Polygon, image: Rect) -> Rect {
-    let x = polygon.vertices().iter().map(|v| v.x);
-    let y = polygon.vertices().iter().map(|v| v.y);
+#[allow(clippy::inline_always, reason = "as above")]
+#[inline(always)]
+fn bounds(vertices: &[Snapped], image: Rect) -> Rect {
+    let x = vertices.iter().map(|v| v.x);
+    let y = vertices.iter().map(|v| v.y);
     // The first centre at or right of a coordinate, and one past the last at or left of it.
     let first = |v: Option<i32>| (v.unwrap_or(0) + UNITS / 2 - 1).div_euclid(UNITS).max(0) as u32;
     let past = |v: Option<i32>| ((v.unwrap_or(0) + UNITS / 2).div_euclid(UNITS)).max(0) as u32;

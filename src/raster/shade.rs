@@ -153,7 +153,7 @@ impl From<Light> for Lighting {
 
 /// The attributes of a triangle's corners, in world space, before shading.
 #[derive(Clone, Copy, Debug)]
-pub struct Corners {
+pub struct Attributes {
     /// Clip-space positions.
     pub clip: [DVec4; 3],
     /// Towards the viewer's side once `facing` is applied; need not be unit length.
@@ -180,10 +180,18 @@ pub struct Seen {
 }
 
 impl Surface {
+    /// Of a material that shows its own colour everywhere, whatever the light; `None` if it is shaded.
+    #[must_use]
+    pub fn flat(material: &Material) -> Option<Self> {
+        let Material { color, alpha, .. } = *material;
+        let flat = material.shading == Shading::Flat;
+        flat.then(|| Self::Uniform(color::rgba8(color, alpha)))
+    }
+
     /// Shade at set-up what does not vary.
     #[must_use]
     pub fn new(
-        corners: &Corners,
+        corners: &Attributes,
         material: &Material,
         light: Lighting,
         Seen { turned, attenuated, normals }: Seen,
@@ -470,7 +478,7 @@ mod tests {
     fn colours_are_perspective_correct() {
         let clip = [(-1.0, 1.0, 1.0), (-1.0, -3.0, 1.0), (4.0, 4.0, 4.0)]
             .map(|(x, y, w)| DVec4::new(x, y, 0.5 * w, w));
-        let corners = Corners {
+        let corners = Attributes {
             clip,
             face_normal: DVec3::Z,
             normals: None,

@@ -58,7 +58,7 @@ pub(super) fn kept(options: &Options, job: &Job<'_>, wanted: Wanted) -> Result<(
         Bound::Same(k) => pixels.saturating_mul(u64::from(k)),
         Bound::All | Bound::PerPixel(_) => u64::MAX,
     };
-    let boxes = job.front.primitives().iter().map(|p| p.bounds.pixels());
+    let boxes = job.front.primitives().map(|p| p.bounds.pixels());
     let fits = |fragments: u64| fragments.saturating_mul(each) <= options.max_memory;
     if fits(by_k.min(boxes.sum())) {
         return Ok(());

@@ -144,7 +144,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
     }
     let grid = Grid { width: scene.size[0], height: scene.size[1], tile: options.tile };
     let (bits, cull) = (options.sub_pixel_bits, options.cull_face);
-    let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation);
+    let front = FrontEnd::attenuated(scene, grid, bits, cull, attenuation, &kit.front);
     let front = third_word(front, scene, options);
     watch.lap("setup");
     let (config, before_tile, chosen) =
@@ -241,6 +241,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
     kit.keep(std::mem::take(&mut executed.frame.tiles));
     watch.lap("hash");
     report.seconds = watch.seconds();
+    front.leave(&kit.front);
     let passes = std::mem::take(&mut executed.frame.seconds).into_iter();
     report.seconds.extend(passes.map(|(pass, seconds)| (format!("draw.{pass}"), seconds)));
     let Executed { schedule, watched, .. } = executed;
@@ -290,7 +291,9 @@ fn fingerprint(front: &FrontEnd, options: &Options) -> u64 {
     if method.contract().keeps.is_approximate() {
         head += &format!(" {:?}", options.approximation);
     }
-    let primitives = front.primitives().iter().map(|p| format!("{p:?} {:?}", front.surface(p)));
+    let indices = front.indices().into_iter().zip(0..);
+    let primitives = indices
+        .map(|(i, place)| format!("{} {:?}", front.primitive(i).text(place), front.surface(i)));
     schedule::fingerprint(std::iter::once(head).chain(primitives))
 }
 

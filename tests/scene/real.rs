@@ -49,7 +49,7 @@ pub(crate) fn shown(scene: &Scene, cull: CullFace) -> Shown {
     let mut counts = vec![0; (width * height) as usize];
     let mut words = BTreeSet::new();
     front.packets_in_order(|packet| {
-        let surface = front.surface(&front.primitives()[packet.primitive as usize]);
+        let surface = front.surface(packet.primitive);
         for bit in (0..64).filter(|bit| packet.mask >> bit & 1 == 1) {
             let x = u32::from(packet.column) * 8 + bit % 8;
             let y = u32::from(packet.row) * 8 + bit / 8;

@@ -77,7 +77,7 @@ fn words(scene: &Scene) -> BTreeMap<[u8; 4], u32> {
     let front = FrontEnd::new(scene, Grid { width: 32, height: 32, tile: 32 }, 8, CullFace::None);
     let mut words = BTreeMap::new();
     front.packets_in_order(|packet| {
-        let surface = front.surface(&front.primitives()[packet.primitive as usize]);
+        let surface = front.surface(packet.primitive);
         for bit in (0..64).filter(|bit| packet.mask >> bit & 1 == 1) {
             let (x, y) =
                 (u32::from(packet.column) * 8 + bit % 8, u32::from(packet.row) * 8 + bit / 8);
@@ -97,8 +97,7 @@ fn word(scene: &Scene, x: u32, y: u32) -> [u8; 4] {
         let bit = (y % 8) * 8 + x % 8;
         let here = (u32::from(packet.column), u32::from(packet.row)) == (x / 8, y / 8);
         if here && packet.mask >> bit & 1 == 1 {
-            let primitive = &front.primitives()[packet.primitive as usize];
-            found = Some(front.surface(primitive).at(x, y).to_le_bytes());
+            found = Some(front.surface(packet.primitive).at(x, y).to_le_bytes());
         }
     });
     found.unwrap()

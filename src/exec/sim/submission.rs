@@ -14,7 +14,8 @@ pub(super) struct Submission<'a> {
     entered: Vec<u32>,
     /// Whether some do not.
     culls: bool,
-    primitive: u32,
+    /// Primitives that are still to come.
+    primitives: std::vec::IntoIter<u32>,
     packets: Vec<Packet>,
     next_packet: usize,
     batch: Batch,
@@ -38,7 +39,7 @@ impl<'a> Submission<'a> {
             generated: None,
             entered: vec![0; pixels],
             culls: job.culls(pass),
-            primitive: 0,
+            primitives: job.front.indices().into_iter(),
             packets: Vec::new(),
             next_packet: 0,
             batch: Batch::default(),
@@ -50,14 +51,11 @@ impl<'a> Submission<'a> {
     fn refill(&mut self) -> bool {
         let front = self.job.front;
         while self.next_packet == self.packets.len() {
-            if self.primitive as usize == front.primitives().len() {
-                return false;
-            }
+            let Some(primitive) = self.primitives.next() else { return false };
             self.packets.clear();
             self.next_packet = 0;
             let packets = &mut self.packets;
-            front.primitive_packets(self.primitive, front.grid.image(), |p| packets.push(p));
-            self.primitive += 1;
+            front.primitive_packets(primitive, front.grid.image(), |p| packets.push(p));
         }
         let packet = self.packets[self.next_packet];
         self.next_packet += 1;

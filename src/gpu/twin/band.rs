@@ -153,7 +153,7 @@ impl<'p> Band<'p> {
         record: Record,
         shuffle: Option<u64>,
     ) -> Vec<Fragment> {
-        let all = 0..self.picture.front.primitives().len() as u32;
+        let all = self.picture.front.indices();
         let mut fragments = self.stream_of(record, contract.extra == Extra::Primitive, all);
         if let Some(seed) = shuffle {
             Random::new(seed, self.rows.start as u64).shuffle(&mut fragments);
@@ -179,7 +179,7 @@ impl<'p> Band<'p> {
                 let first = fragments.len();
                 fragments.extend(batch.iter());
                 if numbered {
-                    let extra = front.primitives()[primitive as usize].triangle;
+                    let extra = front.primitive(primitive).triangle;
                     fragments[first..].iter_mut().for_each(|fragment| fragment.extra = extra);
                 }
             });

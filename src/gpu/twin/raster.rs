@@ -77,15 +77,15 @@ impl Triangles {
         let (window, center) = (band.window(), center(band));
         let (mut instances, mut chunks, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         let (mut first, mut pixels, mut most) = (0u32, 0u64, 0u64);
-        for (index, (primitive, outline)) in
-            (0u32..).zip(front.primitives().iter().zip(front.outlines()))
-        {
+        for index in front.indices() {
+            let primitive = front.primitive(index);
+            let Some(outline) = front.outline(index) else { continue };
             let area: Rect = primitive.bounds.intersect(window);
             if area.is_empty() {
                 continue;
             }
             // A device does not know which pixels a mask leaves out.
-            let masked = front.surface(primitive).is_masked();
+            let masked = front.surface(index).is_masked();
             if masked || !fits(outline, center) || !is_simple(outline) {
                 rest.push(index);
                 continue;

@@ -23,7 +23,7 @@ impl Near {
         let mut found = Vec::new();
         near_edges(&answer.front, answer.scene.size, distance, |primitive, pixel| {
             if of(pixel) {
-                found.push((pixel as u32, primitive as u32));
+                found.push((pixel as u32, primitive));
             }
         });
         found.sort_unstable();
@@ -48,9 +48,9 @@ pub(in crate::judge) fn fragments(
     let [x, y] = [(pixel % width) as u32, (pixel / width) as u32];
     let format = answer.options.record().depth;
     let one = |index: u32| {
-        let primitive = &answer.front.primitives()[index as usize];
+        let primitive = answer.front.primitive(index);
         let depth = format.encode(primitive.plane.code(primitive.plane.at(x, y)));
-        let color = answer.front.surface(primitive).at(x, y);
+        let color = answer.front.surface(index).at(x, y);
         Entry { depth, color, triangle: primitive.triangle }
     };
     primitives.map(one).collect()

@@ -1,17 +1,22 @@
 //! The front end: a scene becomes primitives and bins.
 //!
-//! Triangles are set up in parallel in chunks of fixed size and joined in submission order, so that nothing depends
-//! on the number of threads. A bin lists the primitives that may touch a tile, in submission order.
+//! Triangles and discs are set up in parallel, in parts of a fixed number, and the parts stay as they are: nothing is
+//! joined or moved, and nothing depends on the number of threads. The index of a primitive is its part and its place
+//! there, so that indices grow in submission order, with gaps. A bin lists the primitives that may touch a tile, in
+//! submission order ([`bins`]).
 
-mod chunk;
+mod bins;
+mod part;
+mod pieces;
+mod room;
+mod set_up;
 
 use rayon::prelude::*;
 
-pub use self::chunk::CullFace;
-use self::chunk::{Chunk, Target};
+use self::bins::Bins;
+use self::part::{Part, Target};
 use super::clip::{Polygon, Viewport};
 use super::grid::Grid;
-use super::place::Placed;
 use super::primitive::{Primitive, Rect};
 use super::shade::{Attenuation, Surface};
 use super::slab::Slabs;
@@ -21,8 +26,14 @@ use crate::num::lanes::wide;
 use crate::num::planes::Planes;
 use crate::scene::Scene;
 
-/// Triangles or discs per parallel chunk.
-const CHUNK: usize = 4_096;
+pub use self::part::CullFace;
+pub use self::room::Room;
+
+/// A part has at most 2^12 primitives.
+const PART_BITS: u32 = 12;
+
+/// Triangles and discs of a part.
+const PART: usize = 1 << PART_BITS;
 
 /// What a fragment's third word is.
 #[derive(Debug)]
@@ -44,33 +55,27 @@ pub struct FrontEnd {
     pub triangles: u64,
     /// Those of zero area, before or after snapping.
     pub degenerate: u64,
-    primitives: Vec<Primitive>,
-    surfaces: Vec<Surface>,
+    /// In submission order. None of them is empty.
+    parts: Vec<Part>,
     /// Whether any surface is masked.
     masked: bool,
-    /// By primitive: whether its back is seen. Kept apart, since few runs need it.
-    backs: Vec<bool>,
-    /// By primitive: its corners, if requested.
-    outlines: Vec<Polygon>,
     /// The third word of fragments.
     pub(super) third: Third,
     /// The camera's planes.
     planes: Planes,
     /// What attenuates the light on its way.
     pub(super) attenuation: Option<Box<dyn Attenuation>>,
-    /// Bin t is `binned[starts[t]..starts[t + 1]]`.
-    starts: Vec<usize>,
-    binned: Vec<u32>,
+    bins: Bins,
 }
 
 impl FrontEnd {
     /// Transform, clip, snap and bin every triangle and disc of a scene.
     #[must_use]
     pub fn new(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
-        Self::attenuated(scene, grid, sub_pixel_bits, cull, None)
+        Self::attenuated(scene, grid, sub_pixel_bits, cull, None, &Room::default())
     }
 
-    /// As [`FrontEnd::new`], with light that is attenuated on its way.
+    /// As [`FrontEnd::new`], with light that is attenuated on its way, in room that earlier ones have left.
     #[must_use]
     pub fn attenuated(
         scene: &Scene,
@@ -78,27 +83,55 @@ impl FrontEnd {
         sub_pixel_bits: u32,
         cull: CullFace,
         attenuation: Option<Box<dyn Attenuation>>,
+        room: &Room,
     ) -> Self {
         let attenuated = attenuation.is_some();
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target = Target { attenuated, ..Target::new(viewport, grid.image(), cull) };
-        Self { attenuation, ..Self::of(scene, grid, target) }
+        let target = Target { attenuated, ..Target::new(viewport, grid, cull) };
+        Self { attenuation, ..Self::of(scene, target, room) }
     }
 
-    /// As [`FrontEnd::new`], with the corners of every primitive ([`FrontEnd::outlines`]).
+    /// As [`FrontEnd::new`], with the corners of every primitive ([`FrontEnd::outline`]).
     #[must_use]
     pub fn outlined(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let target = Target { outlines: true, ..Target::new(viewport, grid.image(), cull) };
-        Self::of(scene, grid, target)
+        let target = Target { outlines: true, ..Target::new(viewport, grid, cull) };
+        Self::of(scene, target, &Room::default())
     }
 
     /// As [`FrontEnd::new`], for runs that store triangle indices and ask for normals ([`FrontEnd::normal_of`]).
     #[must_use]
     pub fn with_normals(scene: &Scene, grid: Grid, sub_pixel_bits: u32, cull: CullFace) -> Self {
         let viewport = Viewport { width: grid.width, height: grid.height, sub_pixel_bits };
-        let image = grid.image();
-        Self::of(scene, grid, Target { normals: true, ..Target::new(viewport, image, cull) })
+        let target = Target { normals: true, ..Target::new(viewport, grid, cull) };
+        Self::of(scene, target, &Room::default())
+    }
+
+    fn of(scene: &Scene, target: Target, room: &Room) -> Self {
+        let (parts, triangles) = set_up::set_up(scene, target, room);
+        let degenerate = parts.iter().map(|part| part.degenerate).sum();
+        let (parts, empty): (Vec<_>, Vec<_>) =
+            parts.into_iter().partition(|part| !part.primitives.is_empty());
+        room.keep_parts(empty);
+        let rows: Vec<_> = parts.iter().map(|part| &part.rows).collect();
+        let bins = Bins::new(&rows, &target.grid, || room.row());
+        Self {
+            grid: target.grid,
+            triangles,
+            degenerate,
+            masked: parts.iter().any(|part| part.masked),
+            bins,
+            parts,
+            third: Third::Nothing,
+            planes: scene.camera.planes(),
+            attenuation: None,
+        }
+    }
+
+    /// Leave the room that it took to the next one.
+    pub fn leave(self, room: &Room) {
+        room.keep_parts(self.parts);
+        room.keep_rows(self.bins.leave());
     }
 
     /// Make fragments slabs: their third word is the near end.
@@ -139,7 +172,7 @@ impl FrontEnd {
     /// pixels, those that are not visible, and without [`FrontEnd::with_normals`].
     #[must_use]
     pub fn normal_of(&self, triangle: u32, x: u32, y: u32) -> Option<[f32; 3]> {
-        self.surface(self.primitive_of(triangle)?).normal(x, y)
+        self.surface(self.index_of(triangle)?).normal(x, y)
     }
 
     /// By storage pixel, how many fragments it has.
@@ -155,94 +188,76 @@ impl FrontEnd {
         counts.counts()
     }
 
-    fn of(scene: &Scene, grid: Grid, target: Target) -> Self {
-        let view_projection = scene.camera.view_projection(scene.size);
-        let mut chunks = Vec::new();
-        let mut first = 0u32;
-        for object in &scene.objects {
-            let placed = Placed::new(object, scene, view_projection, &target.viewport);
-            let triangles = &object.mesh.triangles;
-            chunks.par_extend(triangles.par_chunks(CHUNK).enumerate().map(|(i, part)| {
-                Chunk::of_object(&placed, part, first + (i * CHUNK) as u32, target)
-            }));
-            first += triangles.len() as u32;
-            let discs = &object.mesh.discs;
-            chunks.par_extend(discs.par_chunks(CHUNK).enumerate().map(|(i, part)| {
-                Chunk::of_discs(&placed, part, first + (i * CHUNK) as u32, target)
-            }));
-            first += discs.len() as u32;
-        }
-        chunks.push(Chunk::of_screen(&scene.screen, first, target));
-        let triangles = u64::from(first) + scene.screen.len() as u64;
-        Self { planes: scene.camera.planes(), ..Self::join(grid, triangles, chunks) }
-    }
-
-    fn join(grid: Grid, triangles: u64, chunks: Vec<Chunk>) -> Self {
-        let count = chunks.iter().map(|c| c.primitives.len()).sum();
-        let mut primitives: Vec<Primitive> = Vec::with_capacity(count);
-        let (mut surfaces, mut backs) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut outlines = Vec::new();
-        let mut degenerate = 0;
-        for mut chunk in chunks {
-            let base = surfaces.len() as u32;
-            chunk.primitives.iter_mut().for_each(|p| p.surface += base);
-            primitives.append(&mut chunk.primitives);
-            surfaces.append(&mut chunk.surfaces);
-            backs.append(&mut chunk.backs);
-            outlines.append(&mut chunk.outlines);
-            degenerate += chunk.degenerate;
-        }
-        let (starts, binned) = bin(&primitives, &grid);
-        Self {
-            grid,
-            triangles,
-            degenerate,
-            primitives,
-            masked: surfaces.iter().any(Surface::is_masked),
-            surfaces,
-            backs,
-            outlines,
-            third: Third::Nothing,
-            planes: Planes::default(),
-            attenuation: None,
-            starts,
-            binned,
-        }
+    /// The indices of all primitives, in submission order: they grow, with gaps.
+    #[must_use]
+    pub fn indices(&self) -> Vec<u32> {
+        let of_part = |(part, at): (&Part, u32)| {
+            let first = at << PART_BITS;
+            first..first + part.primitives.len() as u32
+        };
+        self.parts.iter().zip(0..).flat_map(of_part).collect()
     }
 
     /// The primitives in submission order.
-    #[must_use]
-    pub fn primitives(&self) -> &[Primitive] {
-        &self.primitives
+    pub fn primitives(&self) -> impl Iterator<Item = &Primitive> {
+        self.parts.iter().flat_map(|part| &part.primitives)
     }
 
-    /// The corners of every primitive, snapped, in their order; empty unless requested.
+    /// How many primitives there are.
     #[must_use]
-    pub fn outlines(&self) -> &[Polygon] {
-        &self.outlines
+    pub fn visible(&self) -> usize {
+        self.parts.iter().map(|part| part.primitives.len()).sum()
     }
 
-    /// What lies on a primitive.
+    #[inline]
+    fn part(&self, index: u32) -> (&Part, usize) {
+        (&self.parts[(index >> PART_BITS) as usize], index as usize % PART)
+    }
+
+    /// The primitive with an index, as packets and [`FrontEnd::indices`] have it.
+    ///
+    /// # Panics
+    /// There is none.
     #[inline]
     #[must_use]
-    pub fn surface(&self, primitive: &Primitive) -> &Surface {
-        &self.surfaces[primitive.surface as usize]
+    pub fn primitive(&self, index: u32) -> &Primitive {
+        let (part, at) = self.part(index);
+        &part.primitives[at]
     }
 
-    /// The primitive of a global triangle index, if it is visible.
+    /// What lies on the primitive with an index.
+    ///
+    /// # Panics
+    /// There is none.
+    #[inline]
     #[must_use]
-    pub fn primitive_of(&self, triangle: u32) -> Option<&Primitive> {
-        self.index_of(triangle).map(|i| &self.primitives[i])
+    pub fn surface(&self, index: u32) -> &Surface {
+        let (part, at) = self.part(index);
+        &part.surfaces[at]
+    }
+
+    /// The corners of the primitive with an index, snapped; `None` unless requested ([`FrontEnd::outlined`]).
+    #[must_use]
+    pub fn outline(&self, index: u32) -> Option<&Polygon> {
+        let (part, at) = self.part(index);
+        part.outlines.get(at)
     }
 
     /// Whether a global triangle index is seen from its back, if it is visible.
     #[must_use]
     pub fn is_back(&self, triangle: u32) -> Option<bool> {
-        self.index_of(triangle).map(|i| self.backs[i])
+        let (part, at) = self.part(self.index_of(triangle)?);
+        Some(part.backs[at])
     }
 
-    fn index_of(&self, triangle: u32) -> Option<usize> {
-        self.primitives.binary_search_by_key(&triangle, |p| p.triangle).ok()
+    /// The index of the primitive that a global triangle index has, if it is visible.
+    #[must_use]
+    pub fn index_of(&self, triangle: u32) -> Option<u32> {
+        let begins = |part: &Part| part.primitives[0].triangle <= triangle;
+        let at = self.parts.partition_point(begins).checked_sub(1)?;
+        let found =
+            self.parts[at].primitives.binary_search_by_key(&triangle, |p| p.triangle).ok()?;
+        Some(((at as u32) << PART_BITS) + found as u32)
     }
 
     /// Call `emit` for every packet of a tile, in submission order.
@@ -252,7 +267,7 @@ impl FrontEnd {
         wide(
             #[inline(always)]
             || {
-                for &index in &self.binned[self.starts[tile]..self.starts[tile + 1]] {
+                for &index in self.bins.of(tile) {
                     self.primitive_packets(index, window, &mut emit);
                 }
             },
@@ -262,7 +277,7 @@ impl FrontEnd {
     /// Call `emit` for every packet of the whole image, in submission order of primitives.
     pub fn packets_in_order(&self, mut emit: impl FnMut(Packet)) {
         let window = self.grid.image();
-        for index in 0..self.primitives.len() as u32 {
+        for index in self.indices() {
             self.primitive_packets(index, window, &mut emit);
         }
     }
@@ -271,9 +286,8 @@ impl FrontEnd {
     #[allow(clippy::inline_always, reason = "see `lanes`")]
     #[inline(always)]
     pub fn primitive_packets(&self, index: u32, window: Rect, mut emit: impl FnMut(Packet)) {
-        let primitive = &self.primitives[index as usize];
-        let masked = self.masked.then(|| self.surface(primitive)).filter(|s| s.is_masked());
-        primitive.blocks(window, |x, y, mut mask| {
+        let masked = self.masked.then(|| self.surface(index)).filter(|s| s.is_masked());
+        self.primitive(index).blocks(window, |x, y, mut mask| {
             if let Some(surface) = masked {
                 mask = left(surface, [x, y], mask);
                 if mask == 0 {
@@ -333,24 +347,4 @@ fn left(surface: &Surface, from: [u32; 2], mask: u64) -> u64 {
         }
     }
     left
-}
-
-/// Bins in CSR form: starts per tile, then primitive indices in submission order.
-fn bin(primitives: &[Primitive], grid: &Grid) -> (Vec<usize>, Vec<u32>) {
-    let mut starts = vec![0usize; grid.tiles() + 1];
-    for primitive in primitives {
-        grid.tiles_touching(primitive.bounds, |tile| starts[tile + 1] += 1);
-    }
-    for tile in 0..grid.tiles() {
-        starts[tile + 1] += starts[tile];
-    }
-    let mut next = starts.clone();
-    let mut binned = vec![0u32; starts[grid.tiles()]];
-    for (index, primitive) in (0u32..).zip(primitives) {
-        grid.tiles_touching(primitive.bounds, |tile| {
-            binned[next[tile]] = index;
-            next[tile] += 1;
-        });
-    }
-    (starts, binned)
 }

@@ -19,11 +19,11 @@ pub fn near_edges(
     front: &FrontEnd,
     size: [u32; 2],
     distance: f64,
-    mut mark: impl FnMut(usize, usize),
+    mut mark: impl FnMut(u32, usize),
 ) {
     let units = (distance * f64::from(UNITS)) as i64;
-    for (primitive, polygon) in front.outlines().iter().enumerate() {
-        let corners = polygon.vertices();
+    for primitive in front.indices() {
+        let corners = front.outline(primitive).map_or(&[][..], |polygon| polygon.vertices());
         for (i, &from) in corners.iter().enumerate() {
             let edge = Edge::new(from, corners[(i + 1) % corners.len()]);
             edge.mark(units, size, |pixel| mark(primitive, pixel));
