@@ -39,6 +39,20 @@ fn cells(line: &str) -> Vec<String> {
     cells
 }
 
+/// A fuller table makes fragments look at more cells.
+#[test]
+fn a_load_is_that_of_hash_tables() {
+    let dir = Dir::new();
+    let looked = |load: &str| {
+        let line =
+            format!("bench cubes --size 64x64 -m ha64 --exec threads --repeats 1 --json {load}");
+        let document = document(&dir.run(&line));
+        number(&list(&document, "rows")[0], "atomics_per_fragment")
+    };
+    assert_eq!(looked(""), looked("--load 50"));
+    assert!(looked("--load 100") > 1.1 * looked("--load 50"));
+}
+
 #[test]
 fn wrong_options_are_one_line() {
     let dir = Dir::new();
@@ -52,6 +66,7 @@ fn wrong_options_are_one_line() {
         ("bench --suite=301", &["--suite:", "1 to 300"]),
         ("bench --suite=all", &["--suite"]),
         ("bench --scaling up", &["--scaling", "threads, fragments, triangles, pixels"]),
+        ("bench --load 0", &["--load:", "1 to 100"]),
         ("bench --scaling pixels --steps 1", &["--steps:", "2 to 12"]),
         ("bench --scaling pixels --steps 12 --size 4096x4096", &["--steps:", "16384"]),
         ("bench missing.obj --scaling pixels", &["missing.obj"]),

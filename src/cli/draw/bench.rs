@@ -49,6 +49,10 @@ pub(in crate::cli) struct Args {
     #[arg(short, value_name = "N", allow_negative_numbers = true)]
     k: Option<u32>,
 
+    /// For hash tables, the share of cells to be filled, 1 to 100 per cent, as of `fragloom render` [default: 50]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    load: Option<u32>,
+
     /// For methods that merge, how thick surfaces are, as of `fragloom render` [default: 2x]
     #[arg(long, value_name = "Nx|UNITS", allow_hyphen_values = true)]
     thickness: Option<String>,
@@ -119,7 +123,7 @@ pub(in crate::cli) struct Args {
         value_name = "METHOD,...",
         value_delimiter = ',',
         conflicts_with_all = [
-            "scenes", "methods", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull", "wanted"
+            "scenes", "methods", "load", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull", "wanted"
         ]
     )]
     explore: Vec<String>,

@@ -18,7 +18,7 @@ use crate::num::random::Random;
 use crate::raster::primitive::Rect;
 use crate::raster::{Batch, Grid, Record};
 use crate::scheme::contract::{Contract, Extra, Keeps};
-use crate::scheme::hash_table::table::{DEFAULT_LOAD, TableSettings, size_for_load};
+use crate::scheme::hash_table::table::{TableSettings, size_for_load};
 use crate::scheme::{Config, exact};
 
 /// What is stored for comparison: exact depths, and which triangle it is.
@@ -123,7 +123,8 @@ impl<'p> Band<'p> {
         let bound = k.filter(|_| contract.keeps == Keeps::Nearest).map(u64::from);
         let counts = || self.lists().iter().map(|list| list.len() as u64);
         let generated = counts().sum();
-        let size = size_for_load(generated, DEFAULT_LOAD, [self.grid.width, self.grid.height]);
+        let image = [self.grid.width, self.grid.height];
+        let size = size_for_load(generated, self.picture.load, image);
         Config {
             k,
             pixels: self.lists().len() as u32,

@@ -7,6 +7,7 @@ use crate::raster::slab::Slabs;
 use crate::raster::{CullFace, FrontEnd, Grid};
 use crate::scene::{Scene, Thickness};
 use crate::scheme::approximate::Approximation;
+use crate::scheme::hash_table::table::DEFAULT_LOAD;
 
 /// Tile edge: small, so that bands can be small.
 pub(super) const TILE: u32 = 16;
@@ -26,6 +27,8 @@ pub struct Picture {
     pub palette: Vec<u32>,
     /// What methods that approximate must know.
     pub approximation: Approximation,
+    /// The share of a hash table's cells to be filled, in per cent.
+    pub(super) load: u32,
     /// The rows of tiles of each band.
     pub(super) bands: Vec<Range<usize>>,
 }
@@ -50,13 +53,20 @@ impl Picture {
         }
         let bands = bands(&front);
         let approximation = Approximation::default();
-        Self { front, background: scene.background.map(word16), palette, approximation, bands }
+        let background = scene.background.map(word16);
+        Self { front, background, palette, approximation, load: DEFAULT_LOAD, bands }
     }
 
     /// How thick surfaces are that do not say so themselves, for methods whose fragments are slabs.
     #[must_use]
     pub fn thick(self, scene: &Scene, thickness: Thickness) -> Self {
         Self { front: self.front.thick(Slabs::new(scene, thickness)), ..self }
+    }
+
+    /// With hash tables of which so many per cent are to be filled, 1 to 100.
+    #[must_use]
+    pub fn loaded(self, load: u32) -> Self {
+        Self { load, ..self }
     }
 
     /// For methods that approximate, in this way.

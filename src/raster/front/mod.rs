@@ -132,6 +132,7 @@ impl FrontEnd {
     pub fn leave(self, room: &Room) {
         room.keep_parts(self.parts);
         room.keep_rows(self.bins.leave());
+        room.tidy();
     }
 
     /// Make fragments slabs: their third word is the near end.

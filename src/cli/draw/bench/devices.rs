@@ -43,6 +43,7 @@ pub(super) fn rows(
     let mut rows = Vec::new();
     for opened in devices {
         let picture = Picture::new(&asked.scene, opened.bits()).thick(&asked.scene, plan.thickness);
+        let picture = plan.load.into_iter().fold(picture, Picture::loaded);
         let contender = Contender::new(&opened.device, &picture, twin, plan.k);
         for (exec, first) in all.iter().zip(&firsts[&opened.bits()]) {
             let mut runs = Runs::new(&asked.scene, &options(exec, opened.bits()))?;

@@ -9,7 +9,7 @@ use crate::cli::options::{settings, values};
 use crate::cli::terminal::wait;
 use crate::error::{Error, Result};
 use crate::exec::Method;
-use crate::render::{self, Data, MAX_THREADS, Options, Sim};
+use crate::render::{self, Data, MAX_THREADS, Options, Sim, TableOptions};
 use crate::scene::procedural::{Key, Range};
 use crate::scene::{self, Overrides, Scene, Shading, Thickness};
 
@@ -47,6 +47,8 @@ pub(super) struct Plan {
     /// At least one; none is 0.
     pub(super) threads: Vec<usize>,
     pub(super) k: Option<u32>,
+    /// Of hash tables, in per cent.
+    pub(super) load: Option<u32>,
     pub(super) thickness: Thickness,
     /// Words of the culling passes.
     pub(super) cull: Option<u32>,
@@ -65,6 +67,7 @@ impl Plan {
     pub(super) fn new(catalogue: &Catalogue, args: &Args) -> Result<Self> {
         within("--repeats", args.repeats, 1, 1_000)?;
         within("--steps", args.steps, 2, MOST_STEPS)?;
+        args.load.map_or(Ok(()), |load| within("--load", load, 1, 100))?;
         let quick = args.quick.then_some(QUICK);
         let size = args.size.as_deref().map(values::size).transpose()?.or(quick);
         let mut named = Vec::new();
@@ -93,6 +96,7 @@ impl Plan {
             execs,
             threads: threads(args)?,
             k: args.k,
+            load: args.load,
             thickness: settings::thickness(args.thickness.as_deref())?,
             cull: args.cull.as_deref().map(culling).transpose()?,
             repeats: args.repeats,
@@ -136,6 +140,7 @@ impl Plan {
             exec: exec.clone(),
             threads,
             thickness: self.thickness,
+            table: TableOptions { load: self.load, ..TableOptions::default() },
             data: Data::Color,
             counters: false,
             wanted: self.wanted,
