@@ -5,7 +5,7 @@ use super::Memory;
 use super::checker::Checker;
 use super::slots::Check;
 use super::submission::{Submission, rejected};
-use super::turns::{Stepped, Stores, Turns};
+use super::turns::{Stage, Stepped, Stores, Turns};
 use super::watch::Recording;
 use crate::error::Result;
 use crate::exec::clock::Stopwatch;
@@ -144,7 +144,10 @@ impl<'a> Stages<'a> {
             for &part in parts {
                 work = Box::new(work.chain(queue(job, part, invocations, &mut counts)));
             }
-            turns.tasks(scheme, mem, work, &mut done, watcher, check)?;
+            let kind = |number: usize| job.contract.program.passes[number].kind;
+            let stage = Stage::of(parts, kind);
+            let room = |resident| scheme.room(mem, stage, resident);
+            turns.tasks(room, mem, work, &mut done, watcher, check)?;
         }
         checker.into_iter().for_each(Checker::end);
         Ok(again)

@@ -7,12 +7,17 @@ use crate::num::random::{Random, below};
 /// The stream of this policy's random numbers.
 const STREAM: u64 = 0x5C4E_D01E;
 
+/// Picks whose bits are drawn before they are made. What follows from them takes longer than a step: the slot, and its
+/// invocation's way into the cache.
+const AHEAD: usize = 8;
+
 /// The filled slots, and the position of each.
 #[derive(Debug)]
 pub(super) struct RandomSlot {
     random: Random,
-    /// The bits of the next pick, drawn a step ahead: a mispredicted step does not wait for them.
-    bits: u64,
+    /// The bits of the next picks, a ring: those of the next one are at `turn`.
+    bits: [u64; AHEAD],
+    turn: usize,
     live: Vec<u32>,
     places: Vec<usize>,
 }
@@ -20,14 +25,14 @@ pub(super) struct RandomSlot {
 impl RandomSlot {
     pub(super) fn new(seed: u64) -> Self {
         let mut random = Random::new(seed, STREAM);
-        let bits = random.bits();
-        Self { random, bits, live: Vec::new(), places: Vec::new() }
+        let bits = std::array::from_fn(|_| random.bits());
+        Self { random, bits, turn: 0, live: Vec::new(), places: Vec::new() }
     }
 
-    /// The slot that the drawn bits select among those filled now.
+    /// The slot that bits select among those filled now.
     #[inline]
-    fn pick(&self) -> Option<u32> {
-        self.live.get(below(self.bits, self.live.len() as u64) as usize).copied()
+    fn pick(&self, bits: u64) -> Option<u32> {
+        self.live.get(below(bits, self.live.len() as u64) as usize).copied()
     }
 }
 
@@ -50,13 +55,15 @@ impl Scheduler for RandomSlot {
 
     #[inline]
     fn next(&mut self) -> Result<u32> {
-        let slot = self.pick();
-        self.bits = self.random.bits();
+        let slot = self.pick(self.bits[self.turn]);
+        self.bits[self.turn] = self.random.bits();
+        self.turn = (self.turn + 1) % AHEAD;
         Ok(slot.unwrap_or(u32::MAX))
     }
 
+    /// The last of the picks drawn ahead: it follows, unless slots fill or empty before.
     #[inline]
     fn hint(&self) -> Option<u32> {
-        self.pick()
+        self.pick(self.bits[(self.turn + AHEAD - 1) % AHEAD])
     }
 }
