@@ -3,12 +3,8 @@
 //! the frame's three passes, rasterizing and compositing included, on one thread, and of the fastest turn: whatever
 //! else a machine does only adds to them.
 //!
-//! The goal is 20 under every policy. Where a step's time goes under `random` (`perf record`, `kplus-array`): 70 % in
-//! the loop of the store pass, which holds policy, invocations and memory, most of it at the two branches that cannot
-//! be predicted (the jump to where the invocation stands, and the one to where its operation is among two) and at the
-//! first touch of the invocation; 10 % the same in the other passes; 5 % to admit and retire invocations; 3 % to make
-//! fragments. The number of residents hardly matters as long as invocations (a few hundred bytes each) and their pixels
-//! stay in the second-level cache; `order`, which is predicted, takes less than half.
+//! The goal is 40 under every policy. What stands in its way under `random` is `docs/performance.md`'s to say; `order`,
+//! which is predicted, shows what a step costs without that.
 
 use fragloom::catalogue;
 use fragloom::render::{Exec, Options, Policy, Report, Sim, render};

@@ -7,7 +7,7 @@ use std::task::{Context, Poll, Waker};
 
 use super::drive::{Ends, Outcomes, Pipeline, complete};
 use super::method::Instance;
-use super::sim::turns::{Stepped, Stores};
+use super::sim::turns::{Room, Stage, Stepped, Stores};
 use crate::error::Result;
 use crate::fragment::Fragment;
 use crate::memory::asked::{Action, Asked, Request};
@@ -15,7 +15,7 @@ use crate::memory::sim::Sim;
 use crate::memory::{Address, Counters, Inputs, Layout, Memory, Order, Pool, Update, perform};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
-use crate::scheme::task::{Ended, Invocation, Task};
+use crate::scheme::task::{Ended, Task};
 use crate::scheme::{Held, Outcome, Readback};
 
 /// An instance whose invocations are interpreted, with the inputs that they read.
@@ -142,7 +142,7 @@ impl Stepped for Interpreted<'_> {
         stores.run(move |&fragment: &Fragment| Interpreted::store(self, mem, fragment))
     }
 
-    fn start<'a>(&'a self, mem: &'a Sim<Counters>, task: Task) -> Invocation<'a> {
-        Box::pin(self.run(mem, task))
+    fn room<'a>(&'a self, mem: &'a Sim<Counters>, _: Stage, resident: usize) -> Room<'a> {
+        Room::new(resident, move |&task| self.run(mem, task))
     }
 }

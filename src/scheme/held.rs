@@ -209,6 +209,16 @@ impl Held {
         }
     }
 
+    /// Whether it changes nothing that it is appended to: an empty list.
+    #[must_use]
+    pub fn adds_nothing(&self) -> bool {
+        match self {
+            Self::Keys(keys) => keys.is_empty(),
+            Self::Records(records) => records.is_empty() && records.merged == 0,
+            Self::Light(_) | Self::Depth(_) => false,
+        }
+    }
+
     /// Put it into canonical order.
     pub fn sort(&mut self) {
         match self {

@@ -30,6 +30,26 @@ pub enum Task {
     Resolve(u32),
 }
 
+impl Task {
+    /// The fragment that it is done for.
+    #[must_use]
+    pub fn fragment(&self) -> Option<Fragment> {
+        match *self {
+            Self::Prepare(_, fragment) | Self::Store(fragment) => Some(fragment),
+            _ => None,
+        }
+    }
+
+    /// The pixel that it is done for.
+    #[must_use]
+    pub fn pixel(&self) -> Option<u32> {
+        match *self {
+            Self::Clear(pixel) | Self::Screen(_, pixel) | Self::Resolve(pixel) => Some(pixel),
+            _ => self.fragment().map(|fragment| fragment.pixel),
+        }
+    }
+}
+
 /// A running invocation, without its type.
 pub type Invocation<'a> = Pin<Box<dyn Future<Output = Ended> + 'a>>;
 
@@ -54,12 +74,15 @@ pub async fn invoke<S: Scheme, M: Memory>(scheme: &S, mem: &M, task: Task) -> En
         Task::Screen(pass, pixel) => scheme.screen(mem, usize::from(pass), pixel).await,
         Task::Frame(pass, index) => scheme.frame(mem, usize::from(pass), index).await,
         Task::Store(fragment) => return Ended::Stored(scheme.store(mem, fragment).await),
-        Task::Resolve(pixel) => {
-            let mut held = S::Holds::default();
-            scheme.resolve(mem, pixel, &mut held).await;
-            let again = S::CONTRACT.program.repeats && scheme.again(mem, pixel).await;
-            return Ended::Resolved(pixel, held.into_held(), again);
-        }
+        Task::Resolve(pixel) => return resolve(scheme, mem, pixel).await,
     }
     Ended::Done
+}
+
+/// Run a resolve invocation.
+pub async fn resolve<S: Scheme, M: Memory>(scheme: &S, mem: &M, pixel: u32) -> Ended {
+    let mut held = S::Holds::default();
+    scheme.resolve(mem, pixel, &mut held).await;
+    let again = S::CONTRACT.program.repeats && scheme.again(mem, pixel).await;
+    Ended::Resolved(pixel, held.into_held(), again)
 }

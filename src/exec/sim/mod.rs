@@ -9,6 +9,7 @@
 
 mod checker;
 pub mod policy;
+mod pool;
 pub mod schedule;
 mod slots;
 mod stages;
@@ -33,7 +34,7 @@ use turns::Turns;
 use watch::Recording;
 
 pub use checker::Checked;
-pub use turns::{Stepped, Stores};
+pub use turns::{Room, Stage, Stepped, Stores};
 pub use watch::Watched;
 
 /// The result of a run on the simulated device.

@@ -1,16 +1,15 @@
 //! Slots, invocations and steps: one pass.
 //!
 //! The cost of a step is mostly waiting: for the branch that depends on where the invocation stands, which no processor
-//! predicts under a random schedule, and for the cache. So the loop is kept short, everything it needs next is
-//! requested a step ahead, and invocations are just the futures of their scheme.
+//! predicts under a random schedule, and for the cache. So the loop is kept short, what it needs is requested some steps
+//! ahead, and invocations are just the futures of their scheme, in a pool of places that are made once.
 
-use std::future::Future;
-use std::hint::black_box;
+use std::marker::PhantomData;
 use std::ops::Range;
-use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
 use super::policy::{Any, Scheduler};
+use super::pool::Pool;
 use super::schedule::Recorder;
 use crate::error::{Error, Result};
 use crate::memory::Observer;
@@ -26,17 +25,16 @@ pub(super) trait Check {
 const PATIENCE: u64 = 200_000_000;
 
 /// The invocations of a pass: those that wait for a slot, and those in slots.
-pub(super) struct Slots<'a, O, W, F, Q, I, D> {
+pub(super) struct Slots<'a, O, W, R, Q, P, D> {
     mem: &'a Sim<O>,
     policy: &'a mut Any,
     /// Work for invocations, in order of admission.
     queue: Q,
-    /// Makes an invocation from work.
-    invoke: I,
-    /// Takes its result.
+    /// By slot.
+    invocations: P,
+    /// Takes their results.
     done: D,
-    /// By slot. Each box is made once; one invocation after another is placed in it.
-    invocations: Vec<Pin<Box<Option<F>>>>,
+    result: PhantomData<R>,
     /// By slot; kept apart from the invocations, so that a step touches little memory.
     work: Vec<Option<W>>,
     /// Slots are refilled when all `group` slots of a group have ended.
@@ -58,23 +56,21 @@ pub(super) trait Watcher<W> {
     fn steps(&mut self, slot: u32);
 }
 
-impl<'a, O, W, F, Q, I, D> Slots<'a, O, W, F, Q, I, D>
+impl<'a, O, W, R, Q, P, D> Slots<'a, O, W, R, Q, P, D>
 where
     O: Observer,
-    F: Future,
     Q: Iterator<Item = W>,
-    I: Fn(&W) -> F,
-    D: FnMut(&W, F::Output),
+    P: Pool<W, R>,
+    D: FnMut(&W, R),
 {
     pub(super) fn new(
         mem: &'a Sim<O>,
         policy: &'a mut Any,
         [resident, group]: [usize; 2],
         queue: Q,
-        invoke: I,
+        invocations: P,
         done: D,
     ) -> Self {
-        let invocations = std::iter::repeat_with(|| Box::pin(None)).take(resident).collect();
         let work = std::iter::repeat_with(|| None).take(resident).collect();
         let (live_in_group, vacant) = (vec![0; resident.div_ceil(group)], 0..resident);
         let live = 0;
@@ -82,9 +78,9 @@ where
             mem,
             policy,
             queue,
-            invoke,
-            done,
             invocations,
+            done,
+            result: PhantomData,
             work,
             group,
             live_in_group,
@@ -119,11 +115,9 @@ where
                 None if self.live == 0 => return Ok(()),
                 None => self.next(recorder.as_deref_mut())?,
             };
-            let invocation = self.invocations.get_mut(slot as usize);
-            let Some(invocation) = invocation.and_then(|place| place.as_mut().as_pin_mut()) else {
+            let Some(polled) = self.invocations.poll(slot as usize, context) else {
                 return Err(not_live(slot));
             };
-            let polled = invocation.poll(context);
             let waited = self.mem.take_waited();
             if let Some(checker) = &mut self.checker {
                 checker.step();
@@ -155,10 +149,8 @@ where
     #[inline]
     fn next(&mut self, recorder: Option<&mut Recorder>) -> Result<u32> {
         let slot = self.policy.next()?;
-        if let Some(hint) = self.policy.hint()
-            && let Some(invocation) = self.invocations.get(hint as usize)
-        {
-            black_box(invocation.is_some());
+        if let Some(hint) = self.policy.hint() {
+            self.invocations.touch(hint as usize);
         }
         if let Some(recorder) = recorder {
             recorder.step(slot);
@@ -183,7 +175,7 @@ where
             return None;
         };
         let slot = self.vacant.start;
-        self.invocations[slot].set(Some((self.invoke)(&work)));
+        self.invocations.set(slot, &work);
         if let Some(watcher) = &mut self.watcher {
             watcher.takes(slot as u32, &work);
         }
@@ -199,8 +191,7 @@ where
         self.live_in_group[slot as usize / self.group] += 1;
     }
 
-    fn end(&mut self, slot: usize, result: F::Output) {
-        self.invocations[slot].set(None);
+    fn end(&mut self, slot: usize, result: R) {
         if let Some(work) = &self.work[slot] {
             (self.done)(work, result);
         }
@@ -213,7 +204,7 @@ where
         self.live_in_group[group] -= 1;
         if self.live_in_group[group] == 0 {
             let first = group * self.group;
-            self.vacant = first..(first + self.group).min(self.invocations.len());
+            self.vacant = first..(first + self.group).min(self.work.len());
         }
     }
 }

@@ -5,7 +5,7 @@ use super::Memory;
 use super::checker::Checker;
 use super::slots::Check;
 use super::submission::{Submission, rejected};
-use super::turns::{Stepped, Stores, Turns};
+use super::turns::{Stage, Stepped, Stores, Turns};
 use super::watch::Recording;
 use crate::error::Result;
 use crate::exec::clock::Stopwatch;
@@ -128,26 +128,63 @@ impl<'a> Stages<'a> {
             scheme.store(Stores { mem, turns, work, gone, reports, watcher, checker: check })?;
         } else {
             let Self { generated, gone, reports, held, invocations, .. } = self;
+            let mut arrived = Arrived { lists: Vec::with_capacity(ARRIVED), held };
             let mut done = |task: &Task, ended| match (task, ended) {
                 (Task::Store(fragment), Ended::Stored(outcome)) => {
                     gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
                 }
                 (_, Ended::Resolved(pixel, found, more)) => {
-                    held[pixel as usize].append(found);
+                    arrived.push(pixel, found);
                     again |= more;
                 }
                 _ => {}
             };
-            let mut work: Queue<'_> = Box::new(std::iter::empty());
+            let mut work: Option<Queue<'_>> = None;
             // The store pass counts what is generated; an earlier geometry pass does not count.
             let mut counts = Some(generated.as_mut_slice());
             for &part in parts {
-                work = Box::new(work.chain(queue(job, part, invocations, &mut counts)));
+                let more = queue(job, part, invocations, &mut counts);
+                work = Some(match work {
+                    Some(work) => Box::new(work.chain(more)),
+                    None => more,
+                });
             }
-            turns.tasks(scheme, mem, work, &mut done, watcher, check)?;
+            let work = work.unwrap_or_else(|| Box::new(std::iter::empty()));
+            let kind = |number: usize| job.contract.program.passes[number].kind;
+            let stage = Stage::of(parts, kind);
+            let room = |resident| scheme.room(mem, stage, resident);
+            turns.tasks(room, mem, work, &mut done, watcher, check)?;
+            arrived.set_down();
         }
         checker.into_iter().for_each(Checker::end);
         Ok(again)
+    }
+}
+
+/// How many results of resolve are kept back, to go to their pixels together: one by one, each would wait for the cache
+/// by itself.
+const ARRIVED: usize = 64;
+
+/// Results of resolve on their way.
+struct Arrived<'a> {
+    lists: Vec<(u32, Held)>,
+    /// By pixel.
+    held: &'a mut [Held],
+}
+
+impl Arrived<'_> {
+    fn push(&mut self, pixel: u32, found: Held) {
+        if found.adds_nothing() {
+            return;
+        }
+        self.lists.push((pixel, found));
+        if self.lists.len() == ARRIVED {
+            self.set_down();
+        }
+    }
+
+    fn set_down(&mut self) {
+        self.lists.drain(..).for_each(|(pixel, found)| self.held[pixel as usize].append(found));
     }
 }
 

@@ -4,6 +4,7 @@ use std::future::Future;
 
 use super::Memory;
 use super::policy::{Any, Scheduler, Scheduling};
+use super::pool::{Places, Pool};
 use super::schedule::Recorder;
 use super::slots::{Check, Slots, Watcher};
 use super::submission::Submission;
@@ -12,7 +13,9 @@ use crate::error::Result;
 use crate::exec::account::Tally;
 use crate::fragment::Fragment;
 use crate::memory::Counters;
-use crate::scheme::task::{Ended, Invocation, Task, invoke};
+use crate::scheme::course::Part;
+use crate::scheme::program::PassKind;
+use crate::scheme::task::{Ended, Task, invoke, resolve};
 use crate::scheme::{Outcome, Scheme};
 
 /// A scheme on simulated memory, without its type.
@@ -23,8 +26,52 @@ pub trait Stepped {
     /// A recorded schedule that does not fit, or a schedule under which nothing ends any more.
     fn store<'a>(&'a self, stores: Stores<'a>) -> Result<()>;
 
-    /// An invocation of any pass.
-    fn start<'a>(&'a self, mem: &'a Memory<Counters>, task: Task) -> Invocation<'a>;
+    /// Room for so many invocations of any other stage.
+    fn room<'a>(&'a self, mem: &'a Memory<Counters>, stage: Stage, resident: usize) -> Room<'a>;
+}
+
+/// What is invoked in a stage, as far as it is of one kind: an invocation then takes no more room than that asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Clearing.
+    Clear,
+    /// An earlier geometry pass, by its number.
+    Prepare(usize),
+    /// A full-screen pass, by its number.
+    Screen(usize),
+    /// Resolving.
+    Resolve,
+    /// Anything.
+    Mixed,
+}
+
+impl Stage {
+    /// Of a course's stage, with the kinds of its passes.
+    pub(super) fn of(parts: &[Part], kind: impl Fn(usize) -> PassKind) -> Self {
+        match *parts {
+            [Part::Clear] => Self::Clear,
+            [Part::Resolve] => Self::Resolve,
+            [Part::Pass(number)] => match kind(number) {
+                PassKind::Prepare => Self::Prepare(number),
+                PassKind::Screen => Self::Screen(number),
+                PassKind::Frame | PassKind::Store => Self::Mixed,
+            },
+            _ => Self::Mixed,
+        }
+    }
+}
+
+/// Room for the invocations of a stage.
+pub struct Room<'a>(Box<dyn Pool<Task, Ended> + 'a>);
+
+impl<'a> Room<'a> {
+    /// For so many invocations that are made like this.
+    pub(in crate::exec) fn new<F: Future<Output = Ended> + 'a>(
+        resident: usize,
+        invoke: impl Fn(&Task) -> F + 'a,
+    ) -> Self {
+        Self(Box::new(Places::new(resident, invoke)))
+    }
 }
 
 impl<S: Scheme> Stepped for S {
@@ -33,8 +80,40 @@ impl<S: Scheme> Stepped for S {
         stores.run(move |&fragment: &Fragment| Scheme::store(self, mem, fragment))
     }
 
-    fn start<'a>(&'a self, mem: &'a Memory<Counters>, task: Task) -> Invocation<'a> {
-        Box::pin(invoke(self, mem, task))
+    fn room<'a>(&'a self, mem: &'a Memory<Counters>, stage: Stage, resident: usize) -> Room<'a> {
+        match stage {
+            Stage::Clear => Room::new(resident, move |&task| {
+                let pixel = match task {
+                    Task::Clear(pixel) => Some(pixel),
+                    _ => None,
+                };
+                async move {
+                    match pixel {
+                        Some(pixel) => self.clear(mem, pixel).await,
+                        None => self.clear_frame(mem).await,
+                    }
+                    Ended::Done
+                }
+            }),
+            Stage::Prepare(pass) => Room::new(resident, move |task| {
+                let fragment = task.fragment().unwrap_or_default();
+                async move {
+                    self.prepare(mem, pass, fragment).await;
+                    Ended::Done
+                }
+            }),
+            Stage::Screen(pass) => Room::new(resident, move |task| {
+                let pixel = task.pixel().unwrap_or_default();
+                async move {
+                    self.screen(mem, pass, pixel).await;
+                    Ended::Done
+                }
+            }),
+            Stage::Resolve => Room::new(resident, move |task| {
+                resolve(self, mem, task.pixel().unwrap_or_default())
+            }),
+            Stage::Mixed => Room::new(resident, move |&task| invoke(self, mem, task)),
+        }
     }
 }
 
@@ -70,7 +149,8 @@ impl<'a> Stores<'a> {
             gone[fragment.pixel as usize] += u32::from(reports.report(outcome));
         };
         let watcher = watcher.map(|w| w as &mut (dyn Watcher<Fragment> + 'a));
-        turns.run(mem, work, invoke, done, watcher, checker)
+        let places = Places::new(turns.resident, invoke);
+        turns.run(mem, work, places, done, watcher, checker)
     }
 }
 
@@ -93,7 +173,7 @@ impl Turns {
     /// See [`Stepped::store`].
     pub(super) fn tasks<'a>(
         &'a mut self,
-        scheme: &'a dyn Stepped,
+        room: impl FnOnce(usize) -> Room<'a>,
         mem: &'a Memory<Counters>,
         work: Box<dyn Iterator<Item = Task> + 'a>,
         done: &mut dyn FnMut(&Task, Ended),
@@ -101,19 +181,20 @@ impl Turns {
         checker: Option<&'a mut (dyn Check + 'a)>,
     ) -> Result<()> {
         let watcher = watcher.map(|w| w as &mut (dyn Watcher<Task> + 'a));
-        self.run(mem, work, |&task: &Task| scheme.start(mem, task), done, watcher, checker)
+        let Room(pool) = room(self.resident);
+        self.run(mem, work, pool, done, watcher, checker)
     }
 
-    fn run<'a, W, F: Future>(
+    fn run<'a, W, R>(
         &'a mut self,
         mem: &'a Memory<Counters>,
         work: impl Iterator<Item = W>,
-        invoke: impl Fn(&W) -> F,
-        done: impl FnMut(&W, F::Output),
+        pool: impl Pool<W, R>,
+        done: impl FnMut(&W, R),
         watcher: Option<&'a mut (dyn Watcher<W> + 'a)>,
         checker: Option<&'a mut (dyn Check + 'a)>,
     ) -> Result<()> {
-        Slots::new(mem, &mut self.policy, [self.resident, self.group], work, invoke, done)
+        Slots::new(mem, &mut self.policy, [self.resident, self.group], work, pool, done)
             .watched(watcher)
             .checked(checker)
             .run(self.recorder.as_mut())
