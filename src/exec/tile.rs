@@ -323,6 +323,9 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
     /// Resolve one of several rounds; whether a pixel needs another one. A single round is resolved when it is
     /// finished.
     fn collect(&self, tile: &mut Tile<O>) -> bool {
+        if !self.job.contract.program.repeats {
+            return false;
+        }
         let first = self.first(tile);
         let pixels = first..first + self.job.front.grid.pixels_per_tile() as u32;
         let mut collected = std::mem::take(&mut tile.collected);
