@@ -3,15 +3,14 @@
 //! On native and exclusive memory every operation is ready at once, so one poll runs an invocation to its end and the
 //! compiler removes the machinery, *if* the poll is inlined. It is inlined when a (scheme, memory) pair is polled in a
 //! single place: here, for executors, tests and benchmarks alike. A scheme inside of another one is polled on a memory
-//! of another type, [`Inside`](crate::memory::Inside).
+//! of another type, [`Inside`](crate::memory::Inside). A part of a scheme that holds an array is polled by the memory
+//! itself ([`Memory::part`]).
 //!
 //! Executors see a scheme through [`Pipeline`], in batches: they are compiled once for all schemes.
 
-use std::future::Future;
 use std::ops::Range;
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
 
+pub use crate::memory::complete;
 use crate::memory::{Memory, Order};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
@@ -130,19 +129,6 @@ pub trait Pipeline<M>: Sync {
     }
     /// What is read back after the frame.
     fn readback(&self) -> Option<Readback>;
-}
-
-/// The result of a future that never waits.
-///
-/// # Panics
-/// If it waits, that is, if it runs on a memory whose operations are not ready.
-#[allow(clippy::inline_always, reason = "see the module's text")]
-#[inline(always)]
-pub fn complete<F: Future>(future: F) -> F::Output {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(output) => output,
-        Poll::Pending => panic!("an operation of this memory is not ready"),
-    }
 }
 
 impl<S: Scheme, M: Memory> Pipeline<M> for S {

@@ -2,7 +2,8 @@
 //! shared atomics. Packets of one tile go to any free worker, so workers meet on the same pixels.
 //!
 //! With N threads there are N workers and N / 2 rasterizers (at least one). A worker takes the indices of pools for a
-//! message of packets at once ([`pool`](crate::memory::layout::pool)).
+//! message of packets at once ([`pool`](crate::memory::layout::pool)). A pass that does nothing but count fragments adds
+//! whole counts, tile by tile, in the surrounding thread pool, unless operations are counted.
 
 use std::convert::Infallible;
 use std::sync::Mutex;
@@ -14,7 +15,8 @@ use rayon::prelude::*;
 use super::account::Tally;
 use super::clock::Stopwatch;
 use super::drive::{Outcomes, Pipeline};
-use super::frame::finish::{Finisher, collected_tile, resolve_tile};
+use super::frame::finish::{Finisher, resolve_tile};
+use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts};
 use super::interpret::Interpreted;
 use super::table::TableWords;
@@ -25,12 +27,14 @@ use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
-use crate::scheme::Held;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
 
 /// Packets per message: few enough that neighbouring layers of a pixel land with different workers.
 const MESSAGE: usize = 64;
+
+/// The same where nobody counts operations: then workers meet less often, and wait less for each other's cache lines.
+const LARGE_MESSAGE: usize = 1_024;
 
 /// Messages that may wait per worker.
 const BACKLOG: usize = 8;
@@ -71,8 +75,11 @@ fn frame<O: Observer + Default>(
         (0..grid.tiles()).into_par_iter().for_each(|tile| shared.with(|mem| work(mem, tile)));
     };
     let mut watch = Stopwatch::start();
-    let places = if program.repeats { grid.storage_pixels() } else { 0 };
-    let mut collected = vec![job.holds.empty(); places];
+    let mut collected: Vec<Rounds> = Vec::new();
+    if program.repeats {
+        collected.resize_with(grid.tiles(), Rounds::default);
+        collected.iter_mut().for_each(|tile| tile.reset(job.holds, grid.pixels_per_tile()));
+    }
     let mut stored = Stored::default();
     let walked = job.course.walk(|parts| {
         let mut again = false;
@@ -100,7 +107,13 @@ fn frame<O: Observer + Default>(
                 // A single round is resolved when it is finished.
                 Part::Resolve if !program.repeats => {}
                 Part::Resolve => {
-                    again |= resolve_round::<O>(scheme, &mut collected, tile_pixels, &shared);
+                    let resolve = |(tile, collected): (usize, &mut Rounds)| {
+                        shared.with(|mem: Native<'_, O>| {
+                            collected.resolve(scheme, &mem, pixels(tile))
+                        })
+                    };
+                    let tiles = collected.par_iter_mut().enumerate();
+                    again |= tiles.map(resolve).reduce(|| false, |a, b| a | b);
                 }
             }
         }
@@ -108,20 +121,18 @@ fn frame<O: Observer + Default>(
     });
     let Ok(rounds) = walked;
 
-    let finish = |(tile, collected): (usize, &mut [Held])| {
+    let finish = |tile: usize| {
         let counts = stored.counts(tile, tile_pixels as usize);
-        let finisher = Finisher::new(job, tile);
         let none = Tally::default();
-        if program.repeats {
-            return collected_tile(collected, &counts, finisher, &none);
+        if let Some(collected) = collected.get(tile) {
+            return collected.finish(job, tile, counts, &none);
         }
+        let finisher = Finisher::new(job, tile);
         shared.with(|mem: Native<'_, O>| {
             resolve_tile(scheme, &mem, pixels(tile).start, counts, finisher, &none)
         })
     };
-    let mut parts: Vec<&mut [Held]> = collected.chunks_mut(tile_pixels as usize).collect();
-    parts.resize_with(grid.tiles(), Default::default);
-    let tiles = parts.into_par_iter().enumerate().map(finish).collect();
+    let tiles = (0..grid.tiles()).into_par_iter().map(finish).collect();
     watch.lap("resolve");
     let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();
@@ -143,23 +154,6 @@ fn frame_pass<O: Observer + Default>(
         let part = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
         shared.with(|mem: Native<'_, O>| scheme.frame(&mem, number, part));
     });
-}
-
-/// Resolve every pixel, tile by tile, in a program that repeats; whether a pixel needs another round.
-fn resolve_round<O: Observer + Default>(
-    scheme: &dyn for<'a> Pipeline<Native<'a, O>>,
-    collected: &mut [Held],
-    tile_pixels: u32,
-    shared: &SharedMemory<'_>,
-) -> bool {
-    let tiles = collected.par_chunks_mut(tile_pixels as usize).enumerate();
-    let resolve = |(tile, collected): (usize, &mut [Held])| {
-        shared.with(|mem: Native<'_, O>| {
-            let all = (tile as u32 * tile_pixels..).zip(collected);
-            all.fold(false, |again, (p, held)| scheme.resolve(&mem, p, held) | again)
-        })
-    };
-    tiles.map(resolve).reduce(|| false, |a, b| a | b)
 }
 
 /// What a rasterizer sends: a packet, and how many fragments came before it at each pixel of its block, if it matters.
@@ -214,6 +208,18 @@ fn geometry_pass<O: Observer + Default>(
     shared: &SharedMemory<'_>,
 ) -> Stored {
     let grid = &job.front.grid;
+    // What is counted one by one must be done one by one.
+    let one_by_one = pass.1 || job.culls(pass.0) || O::default().counters().is_some();
+    if !one_by_one && shared.with(|mem: Native<'_, O>| scheme.count(&mem, pass.0, 0, &[])) {
+        let count = |tile: usize| {
+            let counts = job.front.counts_of(tile);
+            let first = (tile * grid.pixels_per_tile()) as u32;
+            shared.with(|mem: Native<'_, O>| scheme.count(&mem, pass.0, first, &counts));
+            Mutex::new(counts)
+        };
+        let generated = (0..grid.tiles()).into_par_iter().map(count).collect();
+        return Stored { generated, ..Stored::default() };
+    }
     let mut generated = Vec::new();
     generated.resize_with(grid.tiles(), Mutex::default);
     let (sender, receiver) = bounded::<Vec<Sent>>(BACKLOG * job.threads);
@@ -222,7 +228,9 @@ fn geometry_pass<O: Observer + Default>(
         for _ in 0..(job.threads / 2).max(1) {
             let sender = sender.clone();
             let (next_tile, generated) = (&next_tile, &generated);
-            scope.spawn(move || rasterize(job, pass.0, next_tile, generated, &sender));
+            let most = if O::default().counters().is_some() { MESSAGE } else { LARGE_MESSAGE };
+            let work = (pass.0, most);
+            scope.spawn(move || rasterize(job, work, next_tile, generated, &sender));
         }
         drop(sender);
         let workers: Vec<_> = (0..job.threads)
@@ -252,11 +260,11 @@ fn geometry_pass<O: Observer + Default>(
     Stored { generated, gone, reports }
 }
 
-/// A rasterizer thread: takes tiles until there are none, counts fragments per pixel, sends packets. With an interlock,
-/// what is culled must not take a rank, so this thread looks for it, too.
+/// A rasterizer thread: takes tiles until there are none, counts fragments per pixel, sends packets, at most so many at
+/// once. With an interlock, what is culled must not take a rank, so this thread looks for it, too.
 fn rasterize(
     job: &Job<'_>,
-    number: usize,
+    (number, most): (usize, usize),
     next_tile: &AtomicUsize,
     generated: &[Mutex<Vec<u32>>],
     sender: &Sender<Vec<Sent>>,
@@ -273,7 +281,7 @@ fn rasterize(
         }
         counts.reset(blocks);
         entered.reset(blocks);
-        let mut message = Vec::with_capacity(MESSAGE);
+        let mut message = Vec::with_capacity(most);
         job.front.packets(tile, |packet| {
             let block = grid.local_block(packet) as usize;
             counts.add(block, packet.mask);
@@ -289,9 +297,9 @@ fn rasterize(
                 ranks
             });
             message.push(Sent { packet, ranks });
-            if message.len() == MESSAGE {
+            if message.len() == most {
                 // A closed queue means that the workers are gone; the scope reports why.
-                let _ = sender.send(std::mem::replace(&mut message, Vec::with_capacity(MESSAGE)));
+                let _ = sender.send(std::mem::replace(&mut message, Vec::with_capacity(most)));
             }
         });
         let _ = sender.send(message);

@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use super::account::Tally;
 use super::drive::{Outcomes, Pipeline};
-use super::frame::finish::{Finisher, collected_tile, resolve_tile};
+use super::frame::finish::{Finisher, resolve_tile};
+use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts, TileOutput};
 use super::interpret::Interpreted;
 use super::table::TableWords;
@@ -22,7 +23,6 @@ use crate::memory::exclusive::Exclusive;
 use crate::memory::{Ahead, Counters, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
-use crate::scheme::Held;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
 
@@ -88,7 +88,7 @@ struct Tile<O> {
     counts: Counting,
     reports: Tally,
     /// What the pixels hold from all rounds so far, if there are several.
-    collected: Vec<Held>,
+    collected: Rounds,
     observer: O,
     batch: Batch,
     /// Accesses outside of its memory by the worker's earlier tiles.
@@ -196,7 +196,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             ahead: Vec::new(),
             counts: Counting::default(),
             reports: Tally::default(),
-            collected: Vec::new(),
+            collected: Rounds::default(),
             observer: O::default(),
             batch: Batch::default(),
             outside_before: 0,
@@ -239,8 +239,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             tile.ahead.iter().for_each(|ahead| ahead.set(tile.pool.start as u32, count));
         }
         if self.job.contract.program.repeats {
-            tile.collected.clear();
-            tile.collected.resize(pixels, self.job.holds.empty());
+            tile.collected.reset(self.job.holds, pixels);
         }
         let first = self.first(tile);
         self.scheme.clear(&self.memory(tile), first..first + pixels as u32);
@@ -324,23 +323,23 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
     /// Resolve one of several rounds; whether a pixel needs another one. A single round is resolved when it is
     /// finished.
     fn collect(&self, tile: &mut Tile<O>) -> bool {
-        let first = self.first(tile);
-        let mut collected = std::mem::take(&mut tile.collected);
-        let mem = self.memory(tile);
-        let mut again = false;
-        for (pixel, held) in (first..).zip(&mut collected) {
-            again |= self.scheme.resolve(&mem, pixel, held);
+        if !self.job.contract.program.repeats {
+            return false;
         }
+        let first = self.first(tile);
+        let pixels = first..first + self.job.front.grid.pixels_per_tile() as u32;
+        let mut collected = std::mem::take(&mut tile.collected);
+        let again = collected.resolve(self.scheme, &self.memory(tile), pixels);
         tile.collected = collected;
         again
     }
 
     fn finish(&self, tile: &mut Tile<O>, rounds: u32) -> (TileOutput, Counters) {
-        let finisher = Finisher::new(self.job, tile.index);
         let (counts, reports) = (tile.counts.of_pixels(), &tile.reports);
         let output = if self.job.contract.program.repeats {
-            collected_tile(&tile.collected, &counts, finisher, reports)
+            tile.collected.finish(self.job, tile.index, counts, reports)
         } else {
+            let finisher = Finisher::new(self.job, tile.index);
             let (mem, first) = (self.memory(tile), self.first(tile));
             resolve_tile(self.scheme, &mem, first, counts, finisher, reports)
         };

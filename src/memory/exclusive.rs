@@ -10,7 +10,7 @@ use std::future::{Future, ready};
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
 use super::{
     Access, Ahead, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool,
-    Space, Update, Word,
+    Space, Update, Word, complete,
 };
 
 /// One worker's handle.
@@ -108,6 +108,11 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         };
         self.observer.update(Update::Add(1u32), index);
         ready(index)
+    }
+
+    #[inline(always)]
+    fn part<F: Future>(&self, part: F) -> impl Future<Output = F::Output> {
+        ready(complete(part))
     }
 
     #[inline(always)]

@@ -103,6 +103,11 @@ impl<M: Memory, T> Memory for Inside<'_, M, T> {
     }
 
     #[inline(always)]
+    fn part<F: Future>(&self, part: F) -> impl Future<Output = F::Output> {
+        self.mem.part(part)
+    }
+
+    #[inline(always)]
     #[track_caller]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
         self.mem.take(pool)

@@ -29,7 +29,7 @@ pub mod word;
 
 use std::future::Future;
 
-pub use both::{Both, both};
+pub use both::{Both, both, complete};
 pub use count::{Counters, Observer};
 pub use inside::Inside;
 pub use layout::{
@@ -241,6 +241,15 @@ pub trait Memory {
     fn merge(&self, block: Block) -> impl Future<Output = ()> + Unpin {
         let _ = block;
         std::future::ready(())
+    }
+
+    /// Run a part of an invocation that holds an array or a record across operations. Not an operation.
+    ///
+    /// Where operations are ready, the part runs at once, as a function of its own: what it holds is on the stack, or in
+    /// registers, and not in the invocation's state, all of which would have to be memory for its sake.
+    #[inline(always)]
+    fn part<F: Future>(&self, part: F) -> impl Future<Output = F::Output> {
+        part
     }
 
     /// Take a pool's next index: `atomicAdd` of 1 (or GLSL's `atomicCounterIncrement`). A memory that knows which

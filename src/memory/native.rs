@@ -6,7 +6,7 @@ use std::future::{Future, Ready, ready};
 use super::arena::{Arena, Shared, SharedView};
 use super::{
     Access, Ahead, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool,
-    Space, Update, Word,
+    Space, Update, Word, complete,
 };
 
 /// Failed attempts after which a waiting thread yields its core once: the holder may not be running.
@@ -100,6 +100,11 @@ impl<O: Observer> Memory for Native<'_, O> {
         };
         self.observer.update(Update::Add(1u32), index);
         ready(index)
+    }
+
+    #[inline(always)]
+    fn part<F: Future>(&self, part: F) -> impl Future<Output = F::Output> {
+        ready(complete(part))
     }
 
     #[inline(always)]

@@ -82,6 +82,27 @@ impl<'a> Finisher<'a> {
         self.counts.gone.push(gone);
     }
 
+    /// All pixels: their fragments of several rounds, each with where its pixels end.
+    pub fn lists(&mut self, rounds: &[(Held, Ends)], counts: PixelCounts) {
+        let Held::Keys(all) = &mut self.held else { return };
+        let rounds: Vec<(&[u64], &[u32])> = rounds
+            .iter()
+            .filter_map(|(held, ends)| Some((held.keys()?, &*ends.entries)))
+            .filter(|(keys, _)| !keys.is_empty())
+            .collect();
+        all.reserve_exact(rounds.iter().map(|(keys, _)| keys.len()).sum());
+        let mut begins = vec![0; rounds.len()];
+        for pixel in 0..counts.generated.len() {
+            for ((keys, ends), begin) in rounds.iter().zip(&mut begins) {
+                let end = ends[pixel] as usize;
+                all.extend_from_slice(&keys[*begin..end]);
+                *begin = end;
+            }
+            self.ends.push(all);
+        }
+        self.counts = counts;
+    }
+
     /// All pixels of the tile: their fragments.
     fn keys(&mut self, mut keys: Vec<u64>) {
         let Self { job, tile, output, ends, .. } = self;
@@ -258,21 +279,6 @@ pub fn resolve_tile<M>(
         held.clear();
         scheme.resolve(mem, pixel, &mut held);
         finisher.pixel(&held, generated, gone);
-    }
-    finisher.finish(reports)
-}
-
-/// As [`resolve_tile`], from what was collected over several rounds.
-pub fn collected_tile(
-    collected: &[Held],
-    counts: &PixelCounts,
-    mut finisher: Finisher<'_>,
-    reports: &Tally,
-) -> TileOutput {
-    for (held, (&generated, &gone)) in
-        collected.iter().zip(counts.generated.iter().zip(&counts.gone))
-    {
-        finisher.pixel(held, generated, gone);
     }
     finisher.finish(reports)
 }

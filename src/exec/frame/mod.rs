@@ -1,7 +1,9 @@
-//! The results of executors: tiles of resolved pixels ([`finish`]), joined into lists and an image (`join`).
+//! The results of executors: tiles of resolved pixels ([`finish`]), of one round or of several ([`rounds`]), joined into
+//! lists and an image (`join`).
 
 pub mod finish;
 mod join;
+pub mod rounds;
 
 use std::collections::BTreeMap;
 

@@ -183,7 +183,9 @@ impl FrontEnd {
         tiles.collect::<Vec<_>>().concat()
     }
 
-    fn counts_of(&self, tile: usize) -> Vec<u32> {
+    /// By pixel of a tile, how many fragments it has.
+    #[must_use]
+    pub fn counts_of(&self, tile: usize) -> Vec<u32> {
         let mut counts = Columns::new(self.grid.pixels_per_tile() / 64);
         self.packets(tile, |p| counts.add(self.grid.local_block(p) as usize, p.mask));
         counts.counts()

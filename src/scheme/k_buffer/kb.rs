@@ -16,6 +16,7 @@ use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
 const MAX_K: usize = 64;
 
 /// Insert into sorted entries; the key that no longer fits.
+#[inline]
 pub(super) fn insert(entries: &mut [u64], mut carried: u64) -> u64 {
     for entry in entries {
         if carried < *entry {
@@ -69,23 +70,11 @@ impl Scheme for KBuffer {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let mut entries = [0u64; MAX_K];
-        let entries = &mut entries[..self.k as usize];
-        for (i, entry) in (0..).zip(entries.iter_mut()) {
-            let depth = mem.plain_load(self.depth.at(fragment.pixel, i)).await;
-            *entry = key(depth, mem.plain_load(self.data.at(fragment.pixel, i)).await);
-        }
-        let pushed_out = insert(entries, fragment.key());
-        for (i, &entry) in (0..).zip(entries.iter()) {
-            mem.plain_store(self.depth.at(fragment.pixel, i), depth_of(entry)).await;
-            mem.plain_store(self.data.at(fragment.pixel, i), data_of(entry)).await;
-        }
-        if pushed_out == fragment.key() {
-            Outcome::Culled
-        } else if depth_of(pushed_out) == EMPTY {
-            Outcome::Kept
-        } else {
-            Outcome::Evicted
+        match self.k {
+            4 => mem.part(self.insert::<_, 4>(mem, fragment)).await,
+            8 => mem.part(self.insert::<_, 8>(mem, fragment)).await,
+            16 => mem.part(self.insert::<_, 16>(mem, fragment)).await,
+            _ => mem.part(self.insert::<_, MAX_K>(mem, fragment)).await,
         }
     }
 
@@ -122,6 +111,36 @@ impl Scheme for KBuffer {
             if depth != EMPTY {
                 keys.push(key(depth, mem.plain_load(self.data.at(pixel, i)).await));
             }
+        }
+    }
+}
+
+impl KBuffer {
+    /// The store pass with registers for `MOST` entries. Fewer than [`MAX_K`] are k, a number that the compiler knows,
+    /// as a shader's does: it unrolls the loops, and the entries are registers.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "an iterator would point into the invocation's state"
+    )]
+    async fn insert<M: Memory, const MOST: usize>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let k = if MOST < MAX_K { MOST } else { self.k as usize };
+        let mut entries = [0; MOST];
+        for i in 0..k {
+            let depth = mem.plain_load(self.depth.at(fragment.pixel, i as u32)).await;
+            let data = mem.plain_load(self.data.at(fragment.pixel, i as u32)).await;
+            entries[i] = key(depth, data);
+        }
+        let pushed_out = insert(&mut entries[..k], fragment.key());
+        for i in 0..k {
+            mem.plain_store(self.depth.at(fragment.pixel, i as u32), depth_of(entries[i])).await;
+            mem.plain_store(self.data.at(fragment.pixel, i as u32), data_of(entries[i])).await;
+        }
+        if pushed_out == fragment.key() {
+            Outcome::Culled
+        } else if depth_of(pushed_out) == EMPTY {
+            Outcome::Kept
+        } else {
+            Outcome::Evicted
         }
     }
 }

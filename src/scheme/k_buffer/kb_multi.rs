@@ -28,11 +28,20 @@ const MAX_K: usize = 64;
 /// No entry: the key of no fragment. A pixel that goes on from here has all its fragments.
 const NONE: u64 = key(EMPTY, u32::MAX);
 
-/// How many different keys nearer than `key` there are among entries in any order.
-fn nearer(entries: &mut [u64], key: u64) -> usize {
-    entries.sort_unstable();
-    let is_first = |i: usize| i == 0 || entries[i - 1] != entries[i];
-    (0..entries.len()).take_while(|&i| entries[i] < key).filter(|&i| is_first(i)).count()
+/// Whether fewer different keys than entries are nearer than `key`, which is none of them.
+#[inline]
+fn has_room<const MOST: usize>(entries: &[u64; MOST], k: usize, key: u64) -> bool {
+    let own = &entries[..k];
+    // Where all are nearer, there is room if two are the same. One invocation after another leaves them in order.
+    own.iter().any(|&entry| entry > key)
+        || own.windows(2).any(|two| two[0] >= two[1]) && are_any_same(*entries, k)
+}
+
+#[cold]
+#[inline(never)]
+fn are_any_same<const MOST: usize>(mut entries: [u64; MOST], k: usize) -> bool {
+    entries[..k].sort_unstable();
+    entries[..k].windows(2).any(|two| two[0] == two[1])
 }
 
 /// The correct form, or a fault in it.
@@ -122,66 +131,32 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
         self.begin(mem, pixel, 0, self.k).await;
     }
 
-    /// Insert.
     async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
-        let (pixel, key) = (fragment.pixel, fragment.key());
-        if key < mem.plain_load(self.from.at(pixel, 0)).await {
-            return;
-        }
-        let mut entries = [0; MAX_K];
-        let entries = &mut entries[..self.k as usize];
-        for (i, entry) in (0..).zip(entries.iter_mut()) {
-            *entry = mem.load(self.entries.at(pixel, i), Order::Relaxed).await;
-        }
-        insert(entries, key);
-        for (i, &entry) in (0..).zip(entries.iter()) {
-            mem.store(self.entries.at(pixel, i), entry, Order::Relaxed).await;
+        match self.k {
+            4 => mem.part(self.insert::<_, 4>(mem, fragment)).await,
+            8 => mem.part(self.insert::<_, 8>(mem, fragment)).await,
+            16 => mem.part(self.insert::<_, 16>(mem, fragment)).await,
+            _ => mem.part(self.insert::<_, MAX_K>(mem, fragment)).await,
         }
     }
 
-    /// Verify.
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (pixel, key) = (fragment.pixel, fragment.key());
-        let from = mem.plain_load(self.from.at(pixel, 0)).await;
-        if key + 1 == from {
-            mem.add(self.equal.at(pixel, 0), 1, Order::Relaxed).await;
-        }
-        if key < from {
-            return Outcome::Kept;
-        }
-        let mut entries = [0; MAX_K];
-        let entries = &mut entries[..self.k as usize];
-        for (i, entry) in (0..).zip(entries.iter_mut()) {
-            *entry = mem.load(self.entries.at(pixel, i), Order::Relaxed).await;
-        }
-        if let Some(i) = entries.iter().position(|&entry| entry == key) {
-            mem.add(self.counts.at(pixel, i as u32), 1, Order::Relaxed).await;
-        } else if nearer(entries, key) < entries.len() {
-            mem.min(self.missing.at(pixel, 0), key, Order::Relaxed).await;
+        match self.k {
+            4 => mem.part(self.verify::<_, 4>(mem, fragment)).await,
+            8 => mem.part(self.verify::<_, 8>(mem, fragment)).await,
+            16 => mem.part(self.verify::<_, 16>(mem, fragment)).await,
+            _ => mem.part(self.verify::<_, MAX_K>(mem, fragment)).await,
         }
         Outcome::Kept
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let from = mem.plain_load(self.from.at(pixel, 0)).await;
-        let equal = mem.load(self.equal.at(pixel, 0), Order::Relaxed).await;
-        let missing = mem.load(self.missing.at(pixel, 0), Order::Relaxed).await;
-        let missing = if V::VERIFIED { missing } else { NONE };
-        let mut layers = vec![(from.wrapping_sub(1), equal)];
-        for i in 0..self.k {
-            let entry = mem.load(self.entries.at(pixel, i), Order::Relaxed).await;
-            let count = mem.load(self.counts.at(pixel, i), Order::Relaxed).await;
-            layers.push((entry, count));
+        match self.k {
+            4 => mem.part(self.emit::<_, 4>(mem, pixel, keys)).await,
+            8 => mem.part(self.emit::<_, 8>(mem, pixel, keys)).await,
+            16 => mem.part(self.emit::<_, 16>(mem, pixel, keys)).await,
+            _ => mem.part(self.emit::<_, MAX_K>(mem, pixel, keys)).await,
         }
-        layers[1..].sort_unstable();
-        let mut left = mem.plain_load(self.left.at(pixel, 0)).await;
-        for &(layer, count) in layers.iter().filter(|(layer, _)| *layer < missing) {
-            let count = count.min(left);
-            keys.extend(repeat_n(layer, count as usize));
-            left -= count;
-        }
-        let ends = left == 0 || missing == NONE;
-        self.begin(mem, pixel, if ends { NONE } else { missing + 1 }, left).await;
     }
 
     async fn again<M: Memory>(&self, mem: &M, pixel: u32) -> bool {
@@ -189,7 +164,81 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
     }
 }
 
+/// Passes with registers for `MOST` entries, as in `kb`.
+#[allow(
+    clippy::needless_range_loop,
+    reason = "an iterator would point into the invocation's state"
+)]
 impl<V: Variant> KBufferMulti<V> {
+    fn k<const MOST: usize>(&self) -> usize {
+        if MOST < MAX_K { MOST } else { self.k as usize }
+    }
+
+    async fn insert<M: Memory, const MOST: usize>(&self, mem: &M, fragment: Fragment) {
+        let (pixel, key) = (fragment.pixel, fragment.key());
+        if key < mem.plain_load(self.from.at(pixel, 0)).await {
+            return;
+        }
+        let k = self.k::<MOST>();
+        let mut entries = [0; MOST];
+        for i in 0..k {
+            entries[i] = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
+        }
+        insert(&mut entries[..k], key);
+        for i in 0..k {
+            mem.store(self.entries.at(pixel, i as u32), entries[i], Order::Relaxed).await;
+        }
+    }
+
+    async fn verify<M: Memory, const MOST: usize>(&self, mem: &M, fragment: Fragment) {
+        let (pixel, key) = (fragment.pixel, fragment.key());
+        let from = mem.plain_load(self.from.at(pixel, 0)).await;
+        if key + 1 == from {
+            mem.add(self.equal.at(pixel, 0), 1, Order::Relaxed).await;
+        }
+        if key < from {
+            return;
+        }
+        let k = self.k::<MOST>();
+        let mut entries = [0; MOST];
+        for i in 0..k {
+            entries[i] = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
+        }
+        if let Some(i) = entries[..k].iter().position(|&entry| entry == key) {
+            mem.add(self.counts.at(pixel, i as u32), 1, Order::Relaxed).await;
+        } else if has_room(&entries, k, key) {
+            mem.min(self.missing.at(pixel, 0), key, Order::Relaxed).await;
+        }
+    }
+
+    /// Emit what is right, and go on behind it.
+    async fn emit<M: Memory, const MOST: usize>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        let from = mem.plain_load(self.from.at(pixel, 0)).await;
+        let equal = mem.load(self.equal.at(pixel, 0), Order::Relaxed).await;
+        let missing = mem.load(self.missing.at(pixel, 0), Order::Relaxed).await;
+        let missing = if V::VERIFIED { missing } else { NONE };
+        let k = self.k::<MOST>();
+        let mut layers = [(NONE, 0); MOST];
+        for i in 0..k {
+            let entry = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
+            let count = mem.load(self.counts.at(pixel, i as u32), Order::Relaxed).await;
+            layers[i] = (entry, count);
+        }
+        let mut left = mem.plain_load(self.left.at(pixel, 0)).await;
+        // The layer of the round before comes first, whatever is there now.
+        layers[..k].sort_unstable();
+        let before = (from.wrapping_sub(1), equal);
+        for &(layer, count) in [before].iter().chain(&layers[..k]) {
+            if layer < missing {
+                let count = count.min(left);
+                keys.extend(repeat_n(layer, count as usize));
+                left -= count;
+            }
+        }
+        let ends = left == 0 || missing == NONE;
+        self.begin(mem, pixel, if ends { NONE } else { missing + 1 }, left).await;
+    }
+
     /// Begin a round at a key, with so many fragments to be emitted.
     async fn begin<M: Memory>(&self, mem: &M, pixel: u32, from: u64, left: u32) {
         mem.plain_store(self.from.at(pixel, 0), from).await;
@@ -205,17 +254,37 @@ impl<V: Variant> KBufferMulti<V> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
     fn equal_entries_count_once_and_none_is_not_nearer() {
         for (entries, key, expected) in [
-            (&mut [5, 3, 5, NONE][..], 6, 2),
-            (&mut [5, 3, 5, NONE], 5, 1),
-            (&mut [NONE, NONE], 0, 0),
-            (&mut [1, 2, 3], 9, 3),
+            ([5, 3, 5, NONE], 6, true),
+            ([5, 3, 5, NONE], 4, true),
+            ([NONE, NONE, NONE, NONE], 0, true),
+            ([1, 2, 3, 4], 9, false),
+            ([2, 1, 4, 3], 9, false),
+            ([2, 1, 2, 3], 9, true),
+            ([1, 2, 3, 3], 9, true),
         ] {
-            assert_eq!(nearer(entries, key), expected);
+            assert_eq!(has_room(&entries, 4, key), expected, "{entries:?}");
+        }
+        assert!(!has_room(&[2, 1, 0, 0], 2, 9), "beyond k there are none");
+    }
+
+    proptest! {
+        #[test]
+        fn there_is_room_where_fewer_different_keys_are_nearer(
+            entries in prop::array::uniform6(0u64..8), key in 0u64..8, k in 1usize..7,
+        ) {
+            let own = &entries[..k];
+            prop_assume!(!own.contains(&key));
+            let nearer: BTreeSet<_> = own.iter().filter(|&&entry| entry < key).collect();
+            prop_assert_eq!(has_room(&entries, k, key), nearer.len() < k);
         }
     }
 }

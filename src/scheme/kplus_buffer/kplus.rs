@@ -47,8 +47,8 @@ impl Scheme for KPlus {
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let mem = Inside::<_, Self>::new(mem);
         match self {
-            Self::Array(array) => array.store(&mem, fragment).await,
-            Self::Heap(heap) => heap.store(&mem, fragment).await,
+            Self::Array(array) => mem.part(array.store(&mem, fragment)).await,
+            Self::Heap(heap) => mem.part(heap.store(&mem, fragment)).await,
         }
     }
 

@@ -196,11 +196,11 @@ impl<V: Variant> Scheme for KPlusSb<V> {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let (slots, crowded) = self.slots(mem, fragment.pixel).await;
+        let (slots, crowded) = mem.part(self.slots::<_, Self>(mem, fragment.pixel)).await;
         let heap = crowded && self.k > V::ARRAY_UP_TO;
         let counter = self.counter.at(fragment.pixel, 0);
         let row = Row { slots, k: self.k, heap, lock: self.lock, counter };
-        let gone = locked_row::insert::<_, _, Self>(mem, row, fragment).await;
+        let gone = mem.part(locked_row::insert::<_, _, Self>(mem, row, fragment)).await;
         locked_row::outcome(fragment, gone)
     }
 
@@ -218,7 +218,7 @@ impl<V: Variant> Scheme for KPlusSb<V> {
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let count = mem.load(self.counter.at(pixel, 0), Order::Relaxed).await;
         if count > 0 {
-            let (slots, _) = self.slots(mem, pixel).await;
+            let (slots, _) = mem.part(self.slots::<_, ()>(mem, pixel)).await;
             for i in 0..count {
                 keys.push(pair_key(settled(mem, slots, i).await));
             }
@@ -228,9 +228,9 @@ impl<V: Variant> Scheme for KPlusSb<V> {
 
 impl<V: Variant> KPlusSb<V> {
     /// A pixel's records, and whether it has more than k fragments.
-    #[inline(always)]
-    async fn slots<M: Memory>(&self, mem: &M, pixel: u32) -> (OfFrame<V::Reach>, bool) {
-        let (first, crowded) = self.ranges.start::<_, Self>(mem, pixel).await;
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    async fn slots<M: Memory, Caller>(&self, mem: &M, pixel: u32) -> (OfFrame<V::Reach>, bool) {
+        let (first, crowded) = self.ranges.start::<_, (Self, Caller)>(mem, pixel).await;
         (OfFrame { depth: self.depth, data: self.data, first }, crowded)
     }
 }
