@@ -129,20 +129,29 @@ pub(super) fn value(word: &[u8], single: bool) -> Option<f64> {
 }
 
 /// The number of a binary file that takes all of `bytes`. All but the largest integers of 8 bytes fit into an f64.
+#[inline]
 pub(super) fn number(bytes: &[u8], scalar: Scalar, encoding: Encoding) -> f64 {
-    let mut word = [0; 8];
-    word[..bytes.len()].copy_from_slice(bytes);
-    if encoding == Encoding::Big {
-        word[..bytes.len()].reverse();
-    }
-    let word = u64::from_le_bytes(word);
+    let big = encoding == Encoding::Big;
     match scalar {
-        Scalar::I8 => f64::from(word as i8),
-        Scalar::I16 => f64::from(word as i16),
-        Scalar::I32 => f64::from(word as i32),
-        Scalar::I64 => word as i64 as f64,
-        Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => word as f64,
-        Scalar::F32 => f64::from(f32::from_bits(word as u32)),
-        Scalar::F64 => f64::from_bits(word),
+        Scalar::I8 => f64::from(i8::from_le_bytes(word(bytes, big))),
+        Scalar::U8 => f64::from(u8::from_le_bytes(word(bytes, big))),
+        Scalar::I16 => f64::from(i16::from_le_bytes(word(bytes, big))),
+        Scalar::U16 => f64::from(u16::from_le_bytes(word(bytes, big))),
+        Scalar::I32 => f64::from(i32::from_le_bytes(word(bytes, big))),
+        Scalar::U32 => f64::from(u32::from_le_bytes(word(bytes, big))),
+        Scalar::I64 => i64::from_le_bytes(word(bytes, big)) as f64,
+        Scalar::U64 => u64::from_le_bytes(word(bytes, big)) as f64,
+        Scalar::F32 => f64::from(f32::from_le_bytes(word(bytes, big))),
+        Scalar::F64 => f64::from_le_bytes(word(bytes, big)),
     }
+}
+
+/// The bytes of a number, the lowest first.
+#[inline]
+fn word<const N: usize>(bytes: &[u8], big: bool) -> [u8; N] {
+    let mut word = bytes.try_into().unwrap_or([0; N]);
+    if big {
+        word.reverse();
+    }
+    word
 }
