@@ -6,10 +6,13 @@ mod mtl;
 mod picture;
 mod piece;
 mod reader;
+#[cfg(test)]
+mod same;
 mod statement;
 mod vertices;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use self::mtl::Look;
 use self::picture::Pictures;
@@ -32,7 +35,7 @@ pub fn parse(
     library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
 ) -> Result<Model> {
     let text = decode(bytes);
-    let reader = read(&text, PIECE).map_err(|problem| Error::new(place, problem))?;
+    let reader = read(&text, &cut(&text, PIECE)).map_err(|problem| Error::new(place, problem))?;
     let (groups, said) = reader.finish();
     if groups.is_empty() {
         let problem = "f: there is no face; it needs at least one";
@@ -84,12 +87,15 @@ pub fn parse(
     Ok(model)
 }
 
-/// Reads a text in pieces of at least `size` bytes.
-fn read(text: &str, size: usize) -> Unplaced<Reader> {
-    // No line that ends a piece goes on in the next.
-    let pieces = pieces(text.as_bytes(), size, |line| !line.contains(&b'\\'));
+/// Pieces of at least `size` bytes; no line that ends one goes on in the next.
+fn cut(text: &str, size: usize) -> Vec<Range<usize>> {
+    pieces(text.as_bytes(), size, |line| !line.contains(&b'\\'))
+}
+
+/// Reads a text in pieces.
+fn read(text: &str, pieces: &[Range<usize>]) -> Unplaced<Reader> {
     let mut reader = Reader::default();
-    in_order(&pieces, |piece| Piece::read(&text[piece.clone()]), |piece| reader.piece(&piece))?;
+    in_order(pieces, |piece| Piece::read(&text[piece.clone()]), |piece| reader.piece(&piece))?;
     Ok(reader)
 }
 

@@ -80,21 +80,15 @@ impl Reader {
     }
 
     /// A run of faces of `size` corners.
-    fn faces(
-        &mut self,
-        text: &str,
-        run: &Run,
-        size: usize,
-        corners: &[Written],
-    ) -> Unplaced<()> {
+    fn faces(&mut self, text: &str, run: &Run, size: usize, corners: &[Written]) -> Unplaced<()> {
         let mut faces = corners.chunks_exact(size).enumerate();
         while let Some((i, face)) = faces.next() {
             let lines = || statements(&text[run.at..]).take(run.count).skip(i);
             if self.resolved(face).is_none() {
                 // Something is to be said of it, and perhaps of all that follow.
-                return (i..).zip(lines()).try_for_each(|(i, (_, line))| {
-                    self.numbered(run.line + i, &line)
-                });
+                return (i..)
+                    .zip(lines())
+                    .try_for_each(|(i, (_, line))| self.numbered(run.line + i, &line));
             }
             let mut corners = std::mem::take(&mut self.corners);
             if !self.add(&mut corners) {
@@ -116,7 +110,7 @@ impl Reader {
     }
 
     /// Reads one line.
-    fn line(&mut self, line: usize, text: &str) -> Unplaced<()> {
+    pub(super) fn line(&mut self, line: usize, text: &str) -> Unplaced<()> {
         let (keyword, rest) = split(text);
         let mut left_out =
             |kind| self.said.tally.add(kind, || format!("line {line}: {}", clipped(text.trim())));
@@ -300,8 +294,7 @@ impl Reader {
     /// Puts the corners of a face into `corners`; `None` if anything is to be said of one.
     fn resolved(&mut self, face: &[Written]) -> Option<()> {
         let vertices = &self.vertices;
-        let counts =
-            [vertices.positions.len(), vertices.places.len(), vertices.normals.len()];
+        let counts = [vertices.positions.len(), vertices.places.len(), vertices.normals.len()];
         self.corners.clear();
         for written in face {
             let mut at = [None; 3];
@@ -360,5 +353,5 @@ fn index(word: Option<&str>, field: &str, count: usize) -> Unplaced<Option<usize
 fn absolute(number: i64, count: usize) -> Option<usize> {
     let count = count as i64;
     let absolute = if number < 0 { number.saturating_add(count + 1) } else { number };
-    (1..=count).contains(&absolute).then_some(absolute as usize - 1)
+    (1..=count).contains(&absolute).then(|| absolute as usize - 1)
 }

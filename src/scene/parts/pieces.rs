@@ -107,10 +107,14 @@ mod tests {
         }
         let numbers: Vec<u32> = (0..1_000).collect();
         let mut used = 0;
-        let ended = in_order(&numbers, |n| *n, |n| {
-            used += 1;
-            if n % 100 == 77 { Err(n) } else { Ok(()) }
-        });
+        let ended = in_order(
+            &numbers,
+            |n| *n,
+            |n| {
+                used += 1;
+                if n % 100 == 77 { Err(n) } else { Ok(()) }
+            },
+        );
         assert_eq!((ended, used), (Err(77), 78));
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn vertices(
     }
     let size = stride.saturating_mul(element.count);
     let Some((bytes, rest)) = payload.left.split_at_checked(size) else { return false };
-    if payload.encoding == Encoding::Text || stride == 0 {
+    if payload.encoding == Encoding::Text || stride == 0 || payload.piece == 0 {
         return false;
     }
     let width = table.width();
@@ -98,7 +98,9 @@ pub(super) fn faces(
             Kind::Scalar(scalar) => after += scalar.size(),
         }
     }
-    let Some((length, item)) = list.filter(|_| payload.encoding != Encoding::Text) else {
+    let Some((length, item)) =
+        list.filter(|_| payload.encoding != Encoding::Text && payload.piece > 0)
+    else {
         return 0;
     };
     let (first, encoding) = (before + length.size(), payload.encoding);

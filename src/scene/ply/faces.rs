@@ -244,8 +244,7 @@ impl Faces {
             corners.clear();
             for at in range {
                 let corner = corner(self.value(at), places);
-                corners
-                    .push(corner.map_err(|p| format!("face {number}: vertex_indices: {p}"))?);
+                corners.push(corner.map_err(|p| format!("face {number}: vertex_indices: {p}"))?);
             }
             outline.clear();
             outline.extend(corners.iter().map(|&i| places[i as usize]));

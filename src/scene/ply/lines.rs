@@ -49,7 +49,7 @@ fn all<T: Default + Send>(
     read: impl Fn(usize, &[u8], &mut T) -> Option<()> + Sync,
     mut keep: impl FnMut(usize, T) + Send,
 ) -> usize {
-    if !payload.by_lines {
+    if !payload.by_lines || payload.piece == 0 {
         return 0;
     }
     let text = payload.left;
@@ -145,12 +145,7 @@ pub(super) fn faces(
 }
 
 /// Adds the corners of one line.
-fn corners(
-    element: &Element,
-    wanted: Option<usize>,
-    line: &[u8],
-    found: &mut Faces,
-) -> Option<()> {
+fn corners(element: &Element, wanted: Option<usize>, line: &[u8], found: &mut Faces) -> Option<()> {
     let mut words = words(line);
     let mut next = |scalar: Scalar| {
         let word = words.next()?;

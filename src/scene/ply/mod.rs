@@ -6,6 +6,8 @@ mod faces;
 mod header;
 mod lines;
 mod payload;
+#[cfg(test)]
+mod same;
 
 use std::sync::Arc;
 
@@ -37,7 +39,7 @@ pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> 
     read(bytes, place, size, PIECE)
 }
 
-/// Reads a file; text in pieces of about `piece` bytes.
+/// Reads a file; text in pieces of about `piece` bytes. 0 is for rows one after the other.
 fn read(bytes: &[u8], place: &str, size: PointSize, piece: usize) -> Result<Model> {
     let wrong = |problem: String| Error::new(place, problem);
     let bytes = without_mark(bytes);
@@ -98,12 +100,8 @@ fn mesh(table: Table, faces: Faces, tally: &mut Tally, place: &str) -> Result<Mo
         let slot = table.slot(from);
         table.values.chunks_exact(table.width()).map(|v| [0, 1, 2].map(|i| v[slot + i])).collect()
     };
-    let mut mesh = Mesh {
-        normals: three(NORMAL),
-        colors: three(COLOR),
-        triangles,
-        ..Mesh::default()
-    };
+    let mut mesh =
+        Mesh { normals: three(NORMAL), colors: three(COLOR), triangles, ..Mesh::default() };
     if table.has[ALPHA] {
         let slot = table.slot(ALPHA);
         mesh.alphas = table.values.chunks_exact(table.width()).map(|v| v[slot]).collect();

@@ -18,12 +18,12 @@ pub(super) struct Payload<'a> {
     pub(super) by_lines: bool,
     /// The first line with more on it than its element has.
     beyond: Option<usize>,
-    /// Of text: how many bytes are read at once.
+    /// Of text: how many bytes are read at once; 0 where rows are read one after the other, also of binary files.
     pub(super) piece: usize,
 }
 
 impl<'a> Payload<'a> {
-    /// What follows a header; text is read in pieces of about `piece` bytes.
+    /// What follows a header; text is read in pieces of about `piece` bytes. 0 is for rows one after the other.
     pub(super) fn new(bytes: &'a [u8], header: &Header, piece: usize) -> Self {
         let left = bytes.get(header.end..).unwrap_or_default();
         let filled = |own: &Range<usize>| {

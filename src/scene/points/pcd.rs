@@ -257,8 +257,7 @@ impl Fill {
         match meaning {
             Meaning::Packed { alpha } => {
                 let [b, g, r, a] = value.bits.to_le_bytes();
-                let mut share =
-                    |column, byte: u8| table.set(row, column, f64::from(byte) / 255.0);
+                let mut share = |column, byte: u8| table.set(row, column, f64::from(byte) / 255.0);
                 [r, g, b].into_iter().enumerate().for_each(|(i, byte)| share(COLOR + i, byte));
                 if alpha {
                     share(ALPHA, a);
