@@ -81,8 +81,7 @@ impl Reader {
 
     /// A run of faces of `size` corners.
     fn faces(&mut self, text: &str, run: &Run, size: usize, corners: &[Written]) -> Unplaced<()> {
-        let mut faces = corners.chunks_exact(size).enumerate();
-        while let Some((i, face)) = faces.next() {
+        for (i, face) in corners.chunks_exact(size).enumerate() {
             let lines = || statements(&text[run.at..]).take(run.count).skip(i);
             if self.resolved(face).is_none() {
                 // Something is to be said of it, and perhaps of all that follow.

@@ -102,7 +102,11 @@ mod tests {
         for count in [0, 1, 2, 99, 1_000] {
             let numbers: Vec<u32> = (0..count).collect();
             let mut used = Vec::new();
-            let whole = in_order(&numbers, |n| n * 2, |n| Ok::<_, u32>(used.push(n)));
+            let keep = |n| {
+                used.push(n);
+                Ok::<_, u32>(())
+            };
+            let whole = in_order(&numbers, |n| n * 2, keep);
             assert_eq!((whole, used), (Ok(()), numbers.iter().map(|n| n * 2).collect()));
         }
         let numbers: Vec<u32> = (0..1_000).collect();
