@@ -26,11 +26,12 @@ impl Bounds {
     pub fn of(objects: &[Object]) -> Self {
         let corners = objects.iter().fold(Self::EMPTY, |bounds, object| {
             let around = |triangles: &[[u32; 3]]| {
-                let points = triangles.iter().flatten().map(|&vertex| {
+                let mut bounds = Self::EMPTY;
+                for &vertex in triangles.as_flattened() {
                     let point = object.mesh.positions[vertex as usize];
-                    object.transform.transform_point3(DVec3::from(point))
-                });
-                points.fold(Self::EMPTY, Self::with)
+                    bounds = bounds.with(object.transform.transform_point3(DVec3::from(point)));
+                }
+                bounds
             };
             let triangles = &object.mesh.triangles;
             let own = match triangles.len() > BLOCK {

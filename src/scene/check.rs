@@ -2,9 +2,9 @@
 //! message of its own. Loaders check what they can say more about (lines, vertices of a file) themselves.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::model::MAX_TRIANGLES;
+use super::parts::first;
 use super::{Bounds, Disc, MAX_SIZE, Mesh, Object, Scene, ScreenTriangle};
 use crate::error::{Error, Result};
 
@@ -96,17 +96,6 @@ pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
         ));
     }
     mesh.discs.iter().enumerate().try_for_each(|(i, disc)| check_disc(place, i, disc))
-}
-
-/// A list longer than this is looked at by several threads.
-const LONG: usize = 1 << 15;
-
-/// Where the first is that is not as it should be.
-fn first<T: Sync>(list: &[T], broken: impl Fn(&T) -> bool + Send + Sync) -> Option<usize> {
-    match list.len() > LONG {
-        true => list.par_iter().position_first(broken),
-        false => list.iter().position(broken),
-    }
 }
 
 /// A disc's own promises.

@@ -234,5 +234,5 @@ fn long_texts_and_binary_files_are_the_same() {
         &["face 15000: vertex_indices: 30000 is not below the 30000 vertices"],
     );
     let wrong = wrong.replace("3 19000 19001 19002\n", "3 19000 x 19002\n");
-    assert_fails(ply::parse(wrong.as_bytes(), "it"), &["line 49012: \"x\" is not a number"]);
+    assert_fails(ply::parse(wrong.as_bytes(), "it"), &["line 49013: \"x\" is not a number"]);
 }

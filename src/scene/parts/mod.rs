@@ -8,7 +8,7 @@ mod tally;
 mod text;
 
 pub use self::format::FileFormat;
-pub(super) use self::pieces::{PIECE, in_order, pieces};
+pub(super) use self::pieces::{PIECE, first, in_order, pieces};
 pub(super) use self::plain::plain;
 pub(super) use self::polygon::Cutter;
 pub(super) use self::tally::Tally;

@@ -73,9 +73,39 @@ pub(in crate::scene) fn in_order<P: Sync, T: Send, E: Send>(
     }
 }
 
+/// Items of a list that a thread looks at at once.
+const BLOCK: usize = 1 << 14;
+
+/// Where the first item of a list is that is `wanted`, found by several threads if the list is long.
+pub(in crate::scene) fn first<T: Sync>(
+    list: &[T],
+    wanted: impl Fn(&T) -> bool + Send + Sync,
+) -> Option<usize> {
+    if list.len() <= 2 * BLOCK {
+        return list.iter().position(wanted);
+    }
+    // Block by block, since asking for the end of the search at each item takes longer than the item.
+    let has = |block: &[T]| block.iter().any(&wanted);
+    let start = BLOCK * list.par_chunks(BLOCK).position_first(has)?;
+    list[start..].iter().position(wanted).map(|at| start + at)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_of_a_list_is_found() {
+        let list: Vec<usize> = (0..100_000).collect();
+        for wanted in [0, 1, BLOCK - 1, BLOCK, 40_000, 99_999] {
+            assert_eq!(first(&list, |&item| item >= wanted), Some(wanted));
+            assert_eq!(
+                first(&list[..20_000], |&item| item >= wanted),
+                (wanted < 20_000).then_some(wanted)
+            );
+        }
+        assert_eq!(first(&list, |_| false), None);
+    }
 
     fn cut(text: &str, size: usize) -> Vec<&str> {
         let pieces = pieces(text.as_bytes(), size, |line| !line.contains(&b'\\'));

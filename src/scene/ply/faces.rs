@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::super::model::Unplaced;
-use super::super::parts::{Cutter, Tally, in_order};
+use super::super::parts::{Cutter, Tally, first, in_order};
 use super::header::{Element, Kind};
 use super::payload::Payload;
 
@@ -182,7 +180,7 @@ impl Faces {
         tally: &mut Tally,
     ) -> Unplaced<Vec<[u32; 3]>> {
         let finite = |place: &[f64; 3]| place.iter().all(|c| c.is_finite());
-        let all_finite = places.par_iter().all(finite);
+        let all_finite = first(places, |place| !finite(place)).is_none();
         let sound = |triangle: &[u32; 3]| {
             triangle.iter().all(|&index| {
                 places.get(index as usize).is_some_and(|place| all_finite || finite(place))
@@ -193,21 +191,21 @@ impl Faces {
         for run in &self.runs {
             let range = start..start + run.count * run.size;
             start = range.end;
-            let mut first = 0;
+            let mut sounds = 0;
             if run.size == 3 && !run.strip {
                 let threes = self.corners[range.clone()].as_chunks().0;
-                let broken = threes.par_iter().position_first(|triangle| !sound(triangle));
-                first = broken.unwrap_or(run.count);
-                if first == self.corners.len() / 3 {
+                let broken = first(threes, |triangle| !sound(triangle));
+                sounds = broken.unwrap_or(run.count);
+                if sounds == self.corners.len() / 3 {
                     // That is all; it need not be in memory twice.
                     let whole = bytemuck::allocation::try_cast_slice_box(self.corners.into());
                     return whole
                         .map(|whole: Box<[[u32; 3]]>| whole.into_vec())
                         .map_err(|_| "face: the corners are no triangles".to_owned());
                 }
-                triangles.extend_from_slice(&threes[..first]);
+                triangles.extend_from_slice(&threes[..sounds]);
             }
-            let blocks: Vec<Range<usize>> = (first..run.count)
+            let blocks: Vec<Range<usize>> = (sounds..run.count)
                 .step_by(BLOCK)
                 .map(|first| first..run.count.min(first + BLOCK))
                 .collect();
