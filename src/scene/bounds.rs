@@ -1,6 +1,7 @@
 //! Axis-aligned boxes around what is drawn.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{Disc, Object};
 
@@ -13,6 +14,9 @@ pub struct Bounds {
     pub max: DVec3,
 }
 
+/// Triangles that a thread looks at at once.
+const BLOCK: usize = 1 << 14;
+
 impl Bounds {
     /// No point at all.
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
@@ -20,13 +24,25 @@ impl Bounds {
     /// Around the corners of all triangles of `objects`, and all their discs; vertices that no triangle uses do not count.
     #[must_use]
     pub fn of(objects: &[Object]) -> Self {
-        let points = objects.iter().flat_map(|object| {
-            object.mesh.triangles.iter().flatten().map(|&vertex| {
-                let point = object.mesh.positions[vertex as usize];
-                object.transform.transform_point3(DVec3::from(point))
-            })
+        let corners = objects.iter().fold(Self::EMPTY, |bounds, object| {
+            let around = |triangles: &[[u32; 3]]| {
+                let mut bounds = Self::EMPTY;
+                for &vertex in triangles.as_flattened() {
+                    let point = object.mesh.positions[vertex as usize];
+                    bounds = bounds.with(object.transform.transform_point3(DVec3::from(point)));
+                }
+                bounds
+            };
+            let triangles = &object.mesh.triangles;
+            let own = match triangles.len() > BLOCK {
+                true => {
+                    let parts = triangles.par_chunks(BLOCK).map(around);
+                    parts.reduce(|| Self::EMPTY, Self::and)
+                }
+                false => around(triangles),
+            };
+            bounds.and(own)
         });
-        let corners = points.fold(Self::EMPTY, Self::with);
         let discs =
             objects.iter().flat_map(|object| object.mesh.discs.iter().map(move |d| (object, d)));
         discs.flat_map(|(object, disc)| rim(object, disc)).fold(corners, Self::with)
@@ -39,6 +55,11 @@ impl Bounds {
             return Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
         }
         Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+
+    /// Around both.
+    fn and(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The middle.

@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::model::MAX_TRIANGLES;
+use super::parts::first;
 use super::{Bounds, Disc, MAX_SIZE, Mesh, Object, Scene, ScreenTriangle};
 use crate::error::{Error, Result};
 
@@ -59,20 +60,20 @@ pub fn fraction(place: &str, field: &str, value: f32) -> Result<()> {
 pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
     let wrong = |problem: String| Err(Error::new(place, problem));
     let count = mesh.positions.len();
-    if let Some(i) = mesh.positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+    if let Some(i) = first(&mesh.positions, |p| !p.iter().all(|c| c.is_finite())) {
         return wrong(format!("vertex {i}: position {:?} is not finite", mesh.positions[i]));
     }
     if !mesh.alphas.is_empty() && mesh.alphas.len() != count {
         return wrong(format!("alpha: {} of them for {count} vertices", mesh.alphas.len()));
     }
-    if let Some(i) = mesh.alphas.iter().position(|alpha| !(0.0..=1.0).contains(alpha)) {
+    if let Some(i) = first(&mesh.alphas, |alpha| !(0.0..=1.0).contains(alpha)) {
         return wrong(format!("vertex {i}: alpha {} is not within 0 to 1", mesh.alphas[i]));
     }
     if !mesh.places.is_empty() && mesh.places.len() != count {
         let have = mesh.places.len();
         return wrong(format!("texture coordinates: {have} of them for {count} vertices"));
     }
-    if let Some(i) = mesh.places.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+    if let Some(i) = first(&mesh.places, |p| !p.iter().all(|c| c.is_finite())) {
         let place = mesh.places[i];
         return wrong(format!("vertex {i}: texture coordinates {place:?} are not finite"));
     }
@@ -80,15 +81,15 @@ pub fn mesh(place: &str, mesh: &Mesh) -> Result<()> {
         if !values.is_empty() && values.len() != count {
             return wrong(format!("{field}: {} of them for {count} vertices", values.len()));
         }
-        if let Some(i) = values.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+        if let Some(i) = first(values, |v| !v.iter().all(|c| c.is_finite())) {
             return wrong(format!("vertex {i}: {field} {:?} is not finite", values[i]));
         }
     }
-    if let Some(i) = mesh.colors.iter().position(|c| !c.iter().all(|c| (0.0..=1.0).contains(c))) {
+    if let Some(i) = first(&mesh.colors, |c| !c.iter().all(|c| (0.0..=1.0).contains(c))) {
         return wrong(format!("vertex {i}: color {:?} is not within 0 to 1", mesh.colors[i]));
     }
     let out = |t: &[u32; 3]| t.iter().any(|&vertex| vertex as usize >= count);
-    if let Some(i) = mesh.triangles.iter().position(out) {
+    if let Some(i) = first(&mesh.triangles, out) {
         let corners = mesh.triangles[i];
         return wrong(format!(
             "triangle {i}: vertex of {corners:?} is not below the {count} vertices"

@@ -217,3 +217,29 @@ fn names_of_libraries_may_have_blanks() {
     assert_eq!(read("a\\ b.mtl"), (names(&["a b.mtl"]), 0));
     assert_eq!(read("c.mtl gone.mtl a b.mtl"), (names(&["c.mtl", "a b.mtl"]), 1));
 }
+
+#[test]
+fn files_of_several_pieces_are_read_as_one() {
+    let count = 40_000_u32;
+    let vertices: String = (0..count).map(|i| format!("v {i} {}.5 -{i}e-3\n", i % 97)).collect();
+    assert!(vertices.len() > 600_000, "more than two pieces");
+    let faces: String =
+        (0..count - 2).map(|i| format!("f {} -{} {}\n", i + 1, count - i - 1, i + 3)).collect();
+    let text = vertices + "# back over pieces\n" + &faces;
+    let mesh = parse(&text).unwrap().objects[0].mesh.clone();
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (40_000, 39_998));
+    for (i, position) in (0_u32..).zip(&mesh.positions) {
+        assert_eq!(*position, [f64::from(i), f64::from(i % 97) + 0.5, -f64::from(i) / 1_000.0]);
+    }
+    assert!((0..).zip(&mesh.triangles).all(|(i, triangle)| *triangle == [i, i + 1, i + 2]));
+    let first = text.replace("f 5001 -34999 5003\n", "f 5001 -50000 5003\n") + "f 1 2 x\n";
+    assert_fails(parse(&first), &["line 45002: f: vertex -50000 is not among the 40000 so far"]);
+    let last = text.clone() + "f 1 2 x\n";
+    assert_fails(parse(&last), &["line 80000: f: \"x\" is not an index"]);
+    let said = parse(&(text + "l 1 2\nf 1 2\nl 2 3\n")).unwrap().warnings;
+    let expected = [
+        "test.obj: line 80000: l 1 2: lines are not drawn (2 in all)",
+        "test.obj: line 80001: f 1 2: faces of fewer than 3 corners are left out",
+    ];
+    assert_eq!(said, expected);
+}

@@ -188,3 +188,51 @@ fn lines_of_the_header_that_nobody_knows_are_named() {
         ["test.ply: line 3: \"Created\": is not a line of a PLY header, and is left out"]
     );
 }
+
+#[test]
+fn long_texts_and_binary_files_are_the_same() {
+    let count = 30_000_u32;
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n\
+             property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n\
+             property list uchar int vertex_indices\nend_header\n",
+            count - 3
+        )
+    };
+    let (mut text, mut bytes) = (header("ascii"), header("binary_big_endian").into_bytes());
+    for i in 0..count {
+        let place = [i as f32 * 0.1, (i * i % 977) as f32 / 977.0, (i % 89) as f32];
+        let color = [i as u8, (i / 7) as u8, 255];
+        text += &format!(
+            "{} {} {} {} {} {}\n",
+            place[0], place[1], place[2], color[0], color[1], color[2]
+        );
+        place.iter().for_each(|c| bytes.extend(c.to_be_bytes()));
+        bytes.extend(color);
+    }
+    for i in 0..count - 3 {
+        // A run of triangles, then of squares.
+        let corners = &[i, i + 1, i + 2, i + 3][..if i < 20_000 { 3 } else { 4 }];
+        text += &format!("{}", corners.len());
+        bytes.push(corners.len() as u8);
+        for corner in corners {
+            text += &format!(" {corner}");
+            bytes.extend(corner.to_be_bytes());
+        }
+        text += "\n";
+    }
+    assert!(text.len() > 1_000_000, "several pieces");
+    let mesh = ply::parse(&bytes, "it").unwrap().objects[0].mesh.clone();
+    assert_eq!(mesh.triangles[19_999], [19_999, 20_000, 20_001]);
+    assert_eq!(mesh.triangles.len(), 20_000 + 2 * 9_997);
+    assert_eq!(mesh.positions[29_999][0], f64::from(29_999_f32 * 0.1));
+    assert_eq!(ply::parse(text.as_bytes(), "it").unwrap().objects[0].mesh, mesh);
+    let wrong = text.replace("3 15000 15001 15002\n", "3 15000 15001 30000\n");
+    assert_fails(
+        ply::parse(wrong.as_bytes(), "it"),
+        &["face 15000: vertex_indices: 30000 is not below the 30000 vertices"],
+    );
+    let wrong = wrong.replace("3 19000 19001 19002\n", "3 19000 x 19002\n");
+    assert_fails(ply::parse(wrong.as_bytes(), "it"), &["line 49013: \"x\" is not a number"]);
+}

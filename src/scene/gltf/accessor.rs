@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use serde_json::Value;
 
 use super::json;
@@ -10,6 +11,9 @@ use crate::scene::model::Unplaced;
 
 /// The most elements of an accessor without a buffer view, whose size nothing else limits.
 const MAX_ZEROS: usize = 1 << 26;
+
+/// How many elements a thread reads at once.
+const BLOCK: usize = 1 << 12;
 
 /// A document with its buffers.
 pub(super) struct Data<'a> {
@@ -53,6 +57,17 @@ impl Numbers {
         self.values.chunks_exact(self.width).map(|v| [v[0], v[1], v[2]])
     }
 
+    /// The elements, where there are three numbers of each: the same memory.
+    pub(super) fn into_threes(self) -> Vec<[f64; 3]> {
+        match bytemuck::allocation::try_cast_slice_box(self.values.into()) {
+            Ok(threes) if self.width == 3 => {
+                let threes: Box<[[f64; 3]]> = threes;
+                threes.into_vec()
+            }
+            Ok(_) | Err(_) => Vec::new(),
+        }
+    }
+
     /// How many elements there are.
     pub(super) fn len(&self) -> usize {
         self.values.len() / self.width
@@ -70,12 +85,10 @@ impl Data<'_> {
         let names: Vec<_> = names.collect();
         let width = width.ok_or_else(|| wrong(format!("type: must be {}", names.join(" or "))))?;
         let component = component(accessor).map_err(wrong)?;
-        let mut values = self.values(accessor, component, width).map_err(wrong)?;
         let normalized = json::get(accessor, "normalized") == Some(&Value::Bool(true));
-        if normalized && component != Component::F32 {
-            let scale = component.largest();
-            values.iter_mut().for_each(|value| *value = (*value / scale).max(-1.0));
-        }
+        let scale = (normalized && component != Component::F32).then(|| component.largest());
+        let number = |value: f64| scale.map_or(value, |scale| (value / scale).max(-1.0));
+        let values = self.values(accessor, component, width, number).map_err(wrong)?;
         Ok(Numbers { width, values })
     }
 
@@ -90,8 +103,7 @@ impl Data<'_> {
         if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
             return Err(wrong("componentType: must be an unsigned integer".to_owned()));
         }
-        let values = self.values(accessor, component, 1).map_err(wrong)?;
-        Ok(values.into_iter().map(|value| value as u32).collect())
+        self.values(accessor, component, 1, |value| value as u32).map_err(wrong)
     }
 
     /// Whether an accessor has data of its own.
@@ -111,28 +123,37 @@ impl Data<'_> {
         accessors.get(index).ok_or_else(missing)
     }
 
-    /// All components of all elements.
-    fn values(&self, accessor: &Value, component: Component, width: usize) -> Unplaced<Vec<f64>> {
+    /// What `number` makes of all components of all elements.
+    fn values<T: Copy + Default + Send>(
+        &self,
+        accessor: &Value,
+        component: Component,
+        width: usize,
+        number: impl Fn(f64) -> T + Sync,
+    ) -> Unplaced<Vec<T>> {
         let count = json::index(accessor, "count")?.unwrap_or_default();
         let offset = json::index(accessor, "byteOffset")?.unwrap_or_default();
         let mut values = match json::index(accessor, "bufferView")? {
-            Some(view) => self.strided(view, Layout { component, width, offset, count })?,
-            None if count <= MAX_ZEROS => vec![0.0; count * width],
+            Some(view) => {
+                self.strided(view, Layout { component, width, offset, count }, &number)?
+            }
+            None if count <= MAX_ZEROS => vec![number(0.0); count * width],
             None => return Err(format!("count: must be at most {MAX_ZEROS}")),
         };
         if let Some(sparse) = json::get(accessor, "sparse") {
-            self.replace(sparse, component, width, &mut values)
+            self.replace(sparse, component, width, &mut values, &number)
                 .map_err(|problem| format!("sparse: {problem}"))?;
         }
         Ok(values)
     }
 
-    fn replace(
+    fn replace<T: Copy + Default + Send>(
         &self,
         sparse: &Value,
         component: Component,
         width: usize,
-        values: &mut [f64],
+        values: &mut [T],
+        number: impl Fn(f64) -> T + Sync,
     ) -> Unplaced<()> {
         let count = json::index(sparse, "count")?.unwrap_or_default();
         let part = |key: &str, component: Option<Component>, width: usize| {
@@ -143,9 +164,12 @@ impl Data<'_> {
             let offset = json::index(part, "byteOffset").map_err(wrong)?.unwrap_or_default();
             let view = json::index(part, "bufferView").map_err(wrong)?;
             let view = view.ok_or_else(|| wrong("bufferView: is missing".to_owned()))?;
-            self.strided(view, Layout { component, width, offset, count }).map_err(wrong)
+            Ok::<_, String>((view, Layout { component, width, offset, count }))
         };
-        let (at, new) = (part("indices", None, 1)?, part("values", Some(component), width)?);
+        let (view, layout) = part("indices", None, 1)?;
+        let at = self.strided(view, layout, |value| value).map_err(|p| format!("indices: {p}"))?;
+        let (view, layout) = part("values", Some(component), width)?;
+        let new = self.strided(view, layout, number).map_err(|p| format!("values: {p}"))?;
         for (index, new) in at.iter().zip(new.chunks_exact(width)) {
             let start = *index as usize * width;
             let old = values.get_mut(start..start + width);
@@ -154,8 +178,14 @@ impl Data<'_> {
         Ok(())
     }
 
-    /// The components that `layout` describes in a buffer view, after checking that they all are inside it.
-    fn strided(&self, view: usize, layout: Layout) -> Unplaced<Vec<f64>> {
+    /// What `number` makes of the components that `layout` describes in a buffer view, after checking that they all are
+    /// inside it.
+    fn strided<T: Copy + Default + Send>(
+        &self,
+        view: usize,
+        layout: Layout,
+        number: impl Fn(f64) -> T + Sync,
+    ) -> Unplaced<Vec<T>> {
         let (bytes, stride) = self.view(view)?;
         let size = layout.component.size();
         let element = size * layout.width;
@@ -169,9 +199,22 @@ impl Data<'_> {
             return Err(format!("needs {end} bytes, its buffer view has {}", bytes.len()));
         }
         let start = layout.offset.min(bytes.len());
-        let elements = bytes[start..].chunks(stride).take(layout.count);
-        let components = elements.flat_map(|e| e[..element].chunks_exact(size));
-        Ok(components.map(|bytes| layout.component.number(bytes)).collect())
+        let mut values = vec![T::default(); layout.count * layout.width];
+        let read = |(values, bytes): (&mut [T], &[u8])| {
+            for (values, bytes) in values.chunks_mut(layout.width).zip(bytes.chunks(stride)) {
+                let components = bytes[..element].chunks_exact(size);
+                for (value, bytes) in values.iter_mut().zip(components) {
+                    *value = number(layout.component.number(bytes));
+                }
+            }
+        };
+        if layout.count <= BLOCK {
+            read((&mut values, &bytes[start..]));
+        } else {
+            let blocks = values.par_chunks_mut(BLOCK * layout.width);
+            blocks.zip(bytes[start..].par_chunks(BLOCK * stride)).for_each(read);
+        }
+        Ok(values)
     }
 
     pub(super) fn view(&self, index: usize) -> Unplaced<(&[u8], Option<usize>)> {
@@ -236,7 +279,12 @@ impl Component {
 
     /// One little-endian component.
     fn number(self, bytes: &[u8]) -> f64 {
-        let word = bytes.iter().rev().fold(0_u32, |word, &byte| word << 8 | u32::from(byte));
+        let word = match *bytes {
+            [a] => u32::from(a),
+            [a, b] => u16::from_le_bytes([a, b]).into(),
+            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+            _ => 0,
+        };
         match self {
             Self::I8 => f64::from(word as u8 as i8),
             Self::I16 => f64::from(word as u16 as i16),

@@ -89,8 +89,8 @@ impl Data<'_> {
             (colors.width, values)
         });
         let mut mesh = Mesh {
-            positions: positions.threes().collect(),
-            triangles: triangles(mode, &order),
+            positions: positions.into_threes(),
+            triangles: triangles(mode, order),
             ..Mesh::default()
         };
         if let Some(normals) = normals {
@@ -154,7 +154,7 @@ fn unused(mesh: &mut Mesh, name: &str, tally: &mut Tally) {
 
 /// The triangles that the vertices make in order; strips turn every other triangle around. Vertices left over at the
 /// end form no triangle.
-fn triangles(mode: usize, order: &[u32]) -> Vec<[u32; 3]> {
+fn triangles(mode: usize, mut order: Vec<u32>) -> Vec<[u32; 3]> {
     match mode {
         5 => {
             let window = |(i, w): (usize, &[u32])| match i % 2 {
@@ -163,10 +163,15 @@ fn triangles(mode: usize, order: &[u32]) -> Vec<[u32; 3]> {
             };
             order.windows(3).enumerate().map(window).collect()
         }
-        6 => match order {
+        6 => match &order[..] {
             [hub, rim @ ..] => rim.windows(2).map(|w| [w[0], w[1], *hub]).collect(),
             [] => Vec::new(),
         },
-        _ => order.as_chunks().0.to_vec(),
+        _ => {
+            order.truncate(order.len() / 3 * 3);
+            // The same memory, if it can be.
+            let cast = bytemuck::allocation::try_cast_slice_box(order.into());
+            cast.map_or_else(|(_, order)| order.as_chunks().0.to_vec(), <[_]>::into_vec)
+        }
     }
 }

@@ -3,19 +3,37 @@
 use std::collections::BTreeMap;
 
 use super::super::Mesh;
-use super::vertices::Vertices;
+use super::vertices::{Corner, NONE, Vertices};
 
-/// The number of a normal, or of texture coordinates, that are not there.
-pub(super) const NONE: u32 = u32::MAX;
+/// The most corners of one vertex that are looked through one by one.
+const MOST: usize = 8;
 
-/// A corner of a face, by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Corner {
-    pub(super) vertex: u32,
-    /// Or [`NONE`].
-    pub(super) normal: u32,
-    /// Or [`NONE`].
-    pub(super) texcoord: u32,
+/// By vertex, where the present group has it: a list for all groups, since there may be many.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// The number of the group, and the last corner of the vertex in it.
+    last: Vec<(u32, u32)>,
+    group: u32,
+}
+
+impl Seen {
+    /// Begins a new group.
+    pub(super) fn begin(&mut self) {
+        self.group += 1;
+    }
+
+    /// The place of a vertex's last corner, or [`NONE`].
+    fn last(&mut self, vertex: u32) -> &mut u32 {
+        let vertex = vertex as usize;
+        if self.last.len() <= vertex {
+            self.last.resize(vertex + 1, (0, NONE));
+        }
+        let (group, last) = &mut self.last[vertex];
+        if *group != self.group {
+            (*group, *last) = (self.group, NONE);
+        }
+        last
+    }
 }
 
 /// A group of triangles of one material.
@@ -25,7 +43,9 @@ pub(super) struct Group {
     pub(super) material: usize,
     /// The vertices in the order of their first use.
     corners: Vec<Corner>,
-    /// Where they stand in `corners`.
+    /// By number in `corners`: the corner of the same vertex before it, or [`NONE`].
+    before: Vec<u32>,
+    /// Where corners stand whose vertex has [`MOST`] others.
     places: BTreeMap<Corner, u32>,
     /// By number in `corners`.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -37,19 +57,34 @@ impl Group {
         Self { material, ..Self::default() }
     }
 
-    /// The number of a corner here.
-    pub(super) fn corner(&mut self, corner: Corner) -> u32 {
+    /// The number of a corner here. `seen` is that of this group.
+    pub(super) fn corner(&mut self, corner: Corner, seen: &mut Seen) -> u32 {
         let next = self.corners.len() as u32;
-        let place = *self.places.entry(corner).or_insert(next);
-        if place == next {
-            self.corners.push(corner);
+        let last = seen.last(corner.vertex);
+        let (mut at, mut passed) = (*last, 0);
+        while at != NONE && passed < MOST {
+            if self.corners[at as usize] == corner {
+                return at;
+            }
+            (at, passed) = (self.before[at as usize], passed + 1);
         }
-        place
+        if passed == MOST {
+            let place = *self.places.entry(corner).or_insert(next);
+            if place != next {
+                return place;
+            }
+            self.before.push(NONE);
+        } else {
+            self.before.push(*last);
+            *last = next;
+        }
+        self.corners.push(corner);
+        next
     }
 
     /// Takes the vertices over from the whole file.
     pub(super) fn collect(&mut self, all: &Vertices) {
-        self.places = BTreeMap::new();
+        (self.places, self.before) = (BTreeMap::new(), Vec::new());
         let vertices = || self.corners.iter().map(|corner| corner.vertex as usize);
         let smooth = self.corners.iter().all(|corner| corner.normal != NONE);
         let normals = self.corners.iter().map(|corner| all.normals[corner.normal as usize]);

@@ -4,16 +4,22 @@
 mod group;
 mod mtl;
 mod picture;
+mod piece;
 mod reader;
+#[cfg(test)]
+mod same;
+mod statement;
 mod vertices;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use self::mtl::Look;
 use self::picture::Pictures;
+use self::piece::Piece;
 use self::reader::Reader;
-use super::model::GREY;
-use super::parts::{decode, lines};
+use super::model::{GREY, Unplaced};
+use super::parts::{PIECE, decode, in_order, pieces};
 use super::{Material, Mesh, Model, check};
 use crate::error::{Error, Result};
 
@@ -29,12 +35,7 @@ pub fn parse(
     library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
 ) -> Result<Model> {
     let text = decode(bytes);
-    let mut reader = Reader::default();
-    for (number, line) in statements(&text) {
-        reader
-            .line(number, &line)
-            .map_err(|problem| Error::new(place, format!("line {number}: {problem}")))?;
-    }
+    let reader = read(&text, &cut(&text, PIECE)).map_err(|problem| Error::new(place, problem))?;
     let (groups, said) = reader.finish();
     if groups.is_empty() {
         let problem = "f: there is no face; it needs at least one";
@@ -86,6 +87,18 @@ pub fn parse(
     Ok(model)
 }
 
+/// Pieces of at least `size` bytes; no line that ends one goes on in the next.
+fn cut(text: &str, size: usize) -> Vec<Range<usize>> {
+    pieces(text.as_bytes(), size, |line| !line.contains(&b'\\'))
+}
+
+/// Reads a text in pieces.
+fn read(text: &str, pieces: &[Range<usize>]) -> Unplaced<Reader> {
+    let mut reader = Reader::default();
+    in_order(pieces, |piece| Piece::read(&text[piece.clone()]), |piece| reader.piece(&piece))?;
+    Ok(reader)
+}
+
 /// A material by its name, without a comment behind it if need be.
 fn find(known: &BTreeMap<&str, usize>, name: &str) -> Option<usize> {
     let bare = || name.split_once(" #").and_then(|(bare, _)| known.get(bare.trim()));
@@ -106,30 +119,6 @@ fn gaps(missing: &[String], unknown: &[String], place: &str) -> Vec<String> {
         (None, Some(unknown)) => vec![format!("{place}: usemtl: {unknown}")],
         (None, None) => Vec::new(),
     }
-}
-
-/// The lines of a text, each with its number; one that ends in a backslash goes on in the next, unless it is a comment.
-fn statements(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
-    let mut lines = lines(text);
-    std::iter::from_fn(move || {
-        let (number, first) = lines.next()?;
-        let continued = |line: &str| line.trim_end().strip_suffix('\\').map(str::to_owned);
-        let Some(mut whole) = continued(first).filter(|_| !first.trim_start().starts_with('#'))
-        else {
-            return Some((number, first.into()));
-        };
-        for (_, line) in lines.by_ref() {
-            whole.push(' ');
-            match continued(line) {
-                Some(more) => whole.push_str(&more),
-                None => {
-                    whole.push_str(line);
-                    break;
-                }
-            }
-        }
-        Some((number, whole.into()))
-    })
 }
 
 /// The most words of a library's name among others.
@@ -195,26 +184,4 @@ fn words(line: &str) -> Vec<String> {
         left = rest.trim_start();
     }
     found
-}
-
-/// The first word and the rest of a line, both trimmed; numbers lose the comment behind them.
-fn split(line: &str) -> (&str, &str) {
-    let line = line.trim();
-    let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    let bare = rest.split_once('#').map_or(rest, |(bare, _)| bare);
-    let numeric = matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "Kd" | "d" | "Tr");
-    (keyword, if numeric { bare.trim() } else { rest.trim() })
-}
-
-/// A word for a message.
-fn clipped(word: &str) -> String {
-    word.chars().take(40).collect()
-}
-
-/// A finite number.
-fn number(word: &str) -> std::result::Result<f64, String> {
-    match word.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("{:?} is not a finite number", clipped(word))),
-    }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::super::Material;
 use super::super::parts::{Tally, decode};
 use super::picture::Map;
-use super::{number, split, statements};
+use super::statement::{number, split, statements};
 
 /// What a library says of one material.
 #[derive(Clone, Debug, Default)]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::super::parts::Tally;
 use super::super::texture::{MAX_TEXELS, Opacity, Picture, Texture, Wrap};
-use super::clipped;
+use super::statement::clipped;
 
 /// What a library says of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,12 +1,16 @@
-//! Line by line: vertices are kept, faces become triangles at once.
+//! Piece by piece: vertices are kept, faces become triangles at once.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::model::Unplaced;
 use super::super::parts::{Cutter, Tally};
-use super::group::{Corner, Group, NONE};
-use super::vertices::Vertices;
-use super::{clipped, number, split};
+use super::group::{Group, Seen};
+use super::piece::{Kind, Piece, Run, Written};
+use super::statement::{clipped, number, split, statement, statements};
+use super::vertices::{Corner, NONE, Vertices};
+
+/// What is said of a face that is not covered once.
+const CROSSES: &str = "the outline of the face crosses itself";
 
 /// What a file says besides its faces.
 #[derive(Debug, Default)]
@@ -32,11 +36,78 @@ pub(super) struct Reader {
     libraries: BTreeSet<String>,
     group: Group,
     groups: Vec<Group>,
+    /// Which vertices the group has.
+    seen: Seen,
     said: Said,
     cutter: Cutter,
+    /// How many lines there are so far.
+    lines: usize,
+    /// The corners of a face, in memory that is used again.
+    corners: Vec<Corner>,
 }
 
 impl Reader {
+    /// Takes over what the next lines say.
+    pub(super) fn piece(&mut self, piece: &Piece<'_>) -> Unplaced<()> {
+        let (mut positions, mut colors) = (&piece.positions[..], piece.colors.iter());
+        let (mut normals, mut places) = (&piece.normals[..], &piece.places[..]);
+        let mut corners = &piece.corners[..];
+        for run in &piece.runs {
+            match run.kind {
+                Kind::Vertices => {
+                    self.vertices.positions.extend_from_slice(first(&mut positions, run.count));
+                }
+                Kind::Colored => {
+                    for position in first(&mut positions, run.count) {
+                        self.vertices.positions.push(*position);
+                        colors.next().into_iter().for_each(|c| self.vertices.color(*c, None));
+                    }
+                }
+                Kind::Normals => {
+                    self.vertices.normals.extend_from_slice(first(&mut normals, run.count));
+                }
+                Kind::Places => {
+                    self.vertices.places.extend_from_slice(first(&mut places, run.count));
+                }
+                Kind::Faces(size) => {
+                    self.faces(piece.text, run, size, first(&mut corners, run.count * size))?;
+                }
+                Kind::Other => self.numbered(run.line, &statement(&piece.text[run.at..]).0)?,
+            }
+        }
+        self.lines += piece.lines;
+        Ok(())
+    }
+
+    /// A run of faces of `size` corners.
+    fn faces(&mut self, text: &str, run: &Run, size: usize, corners: &[Written]) -> Unplaced<()> {
+        for (i, face) in corners.chunks_exact(size).enumerate() {
+            let lines = || statements(&text[run.at..]).take(run.count).skip(i);
+            if self.resolved(face).is_none() {
+                // Something is to be said of it, and perhaps of all that follow.
+                return (i..)
+                    .zip(lines())
+                    .try_for_each(|(i, (_, line))| self.numbered(run.line + i, &line));
+            }
+            let mut corners = std::mem::take(&mut self.corners);
+            if !self.add(&mut corners) {
+                let number = self.lines + run.line + i + 1;
+                self.said.tally.add(CROSSES, || {
+                    let line = lines().next().map(|(_, line)| clipped(split(&line).1));
+                    format!("line {number}: f {}", line.unwrap_or_default())
+                });
+            }
+            self.corners = corners;
+        }
+        Ok(())
+    }
+
+    /// A statement that stands behind `before` lines of its piece.
+    fn numbered(&mut self, before: usize, text: &str) -> Unplaced<()> {
+        let line = self.lines + before + 1;
+        self.line(line, text).map_err(|problem| format!("line {line}: {problem}"))
+    }
+
     /// Reads one line.
     pub(super) fn line(&mut self, line: usize, text: &str) -> Unplaced<()> {
         let (keyword, rest) = split(text);
@@ -105,6 +176,7 @@ impl Reader {
 
     fn begin(&mut self, material: usize) {
         let group = std::mem::replace(&mut self.group, Group::new(material));
+        self.seen.begin();
         if !group.triangles.is_empty() {
             self.groups.push(group);
         }
@@ -190,24 +262,52 @@ impl Reader {
         }
         let corners = words.into_iter().map(|word| self.corner(line, word));
         let mut corners = corners.collect::<Unplaced<Vec<_>>>()?;
+        if !self.add(&mut corners) {
+            self.said.tally.add(CROSSES, || format!("line {line}: f {}", clipped(rest)));
+        }
+        Ok(())
+    }
+
+    /// Adds a face; whether its triangles cover it once.
+    fn add(&mut self, corners: &mut [Corner]) -> bool {
         let smooth = corners.iter().all(|corner| corner.normal != NONE);
         self.faces[usize::from(smooth)] += 1;
         if !smooth {
             corners.iter_mut().for_each(|corner| corner.normal = NONE);
         }
+        let mut triangle = |corners: [Corner; 3]| {
+            let triangle = corners.map(|corner| self.group.corner(corner, &mut self.seen));
+            self.group.triangles.push(triangle);
+        };
+        if let [a, b, c] = *corners {
+            triangle([a, b, c]);
+            return true;
+        }
         let outline: Vec<_> =
             corners.iter().map(|c| self.vertices.positions[c.vertex as usize]).collect();
         let (triangles, whole) = self.cutter.cut(&outline);
-        if !whole {
-            self.said.tally.add("the outline of the face crosses itself", || {
-                format!("line {line}: f {}", clipped(rest))
-            });
+        triangles.into_iter().for_each(|t| triangle(t.map(|i| corners[i as usize])));
+        whole
+    }
+
+    /// Puts the corners of a face into `corners`; `None` if anything is to be said of one.
+    fn resolved(&mut self, face: &[Written]) -> Option<()> {
+        let vertices = &self.vertices;
+        let counts = [vertices.positions.len(), vertices.places.len(), vertices.normals.len()];
+        self.corners.clear();
+        for written in face {
+            let mut at = [None; 3];
+            for ((at, &written), count) in at.iter_mut().zip(written).zip(counts) {
+                *at = match written {
+                    0 => None,
+                    index => Some(absolute(index.into(), count)?),
+                };
+            }
+            let [vertex, place, normal] = at;
+            let vertex = vertex.filter(|vertex| !self.broken.contains_key(vertex))?;
+            self.corners.push(vertices.corner(vertex, place, normal));
         }
-        for triangle in triangles {
-            let triangle = triangle.map(|i| self.group.corner(corners[i as usize]));
-            self.group.triangles.push(triangle);
-        }
-        Ok(())
+        Some(())
     }
 
     /// One corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -228,14 +328,15 @@ impl Reader {
         };
         let texcoord = texcoord.unwrap_or_else(&mut left_out);
         let normal = normal.unwrap_or_else(&mut left_out);
-        let whole = |&normal: &usize| self.vertices.normals[normal].iter().all(|v| v.is_finite());
-        let lies = |&at: &usize| self.vertices.places[at].iter().all(|c| c.is_finite());
-        Ok(Corner {
-            vertex: vertex as u32,
-            normal: normal.filter(whole).map_or(NONE, |normal| normal as u32),
-            texcoord: texcoord.filter(lies).map_or(NONE, |texcoord| texcoord as u32),
-        })
+        Ok(self.vertices.corner(vertex, texcoord, normal))
     }
+}
+
+/// Takes the first of a list away.
+fn first<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
+    let (first, rest) = list.split_at(count);
+    *list = rest;
+    first
 }
 
 /// An index of a face's corner, made absolute, from 0; `None` where it is left out.
@@ -243,10 +344,13 @@ fn index(word: Option<&str>, field: &str, count: usize) -> Unplaced<Option<usize
     let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(None) };
     let number: i64 =
         word.parse().map_err(|_| format!("f: {:?} is not an index", clipped(word)))?;
+    let found = absolute(number, count).map(Some);
+    found.ok_or_else(|| format!("f: {field} {number} is not among the {count} so far"))
+}
+
+/// An index that counts from 1, or back from the last, from 0.
+fn absolute(number: i64, count: usize) -> Option<usize> {
     let count = count as i64;
     let absolute = if number < 0 { number.saturating_add(count + 1) } else { number };
-    if (1..=count).contains(&absolute) {
-        return Ok(Some(absolute as usize - 1));
-    }
-    Err(format!("f: {field} {number} is not among the {count} so far"))
+    (1..=count).contains(&absolute).then(|| absolute as usize - 1)
 }

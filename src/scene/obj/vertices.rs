@@ -1,5 +1,18 @@
 //! The vertices and normals of a whole file.
 
+/// The number of a normal, or of texture coordinates, that are not there.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A corner of a face, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Corner {
+    pub(super) vertex: u32,
+    /// Or [`NONE`].
+    pub(super) normal: u32,
+    /// Or [`NONE`].
+    pub(super) texcoord: u32,
+}
+
 /// By number, from 0.
 #[derive(Debug, Default)]
 pub(super) struct Vertices {
@@ -16,6 +29,22 @@ pub(super) struct Vertices {
 }
 
 impl Vertices {
+    /// The corner of a face, without what is broken.
+    pub(super) fn corner(
+        &self,
+        vertex: usize,
+        texcoord: Option<usize>,
+        normal: Option<usize>,
+    ) -> Corner {
+        let whole = |&normal: &usize| self.normals[normal].iter().all(|v| v.is_finite());
+        let lies = |&at: &usize| self.places[at].iter().all(|c| c.is_finite());
+        Corner {
+            vertex: vertex as u32,
+            normal: normal.filter(whole).map_or(NONE, |normal| normal as u32),
+            texcoord: texcoord.filter(lies).map_or(NONE, |texcoord| texcoord as u32),
+        }
+    }
+
     /// Gives the last vertex a colour, and perhaps an opacity.
     pub(super) fn color(&mut self, color: [f32; 3], alpha: Option<f32>) {
         let place = self.positions.len().saturating_sub(1);

@@ -15,6 +15,16 @@ impl Tally {
         }
     }
 
+    /// Adds what was met after all that is here.
+    pub(in crate::scene) fn append(&mut self, after: Self) {
+        for (kind, first, more) in after.kinds {
+            match self.kinds.iter_mut().find(|(known, ..)| *known == kind) {
+                Some((.., count)) => *count += more,
+                None => self.kinds.push((kind, first, more)),
+            }
+        }
+    }
+
     /// Why nothing is left, for the error that says so: what was met of some kinds; empty where it was none of them.
     pub(in crate::scene) fn reasons(&self, is_reason: impl Fn(&str) -> bool) -> String {
         let found = self.kinds.iter().filter(|(kind, ..)| is_reason(kind));

@@ -31,17 +31,24 @@ pub(in crate::scene) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     Cow::Owned(text)
 }
 
-/// The lines of a text with their numbers from 1. A line ends in LF, CR or both.
+/// Whether a byte ends a line. Within UTF-8, such a byte is always that character.
+pub(in crate::scene) fn ends_line(byte: u8) -> bool {
+    matches!(byte, b'\r' | b'\n')
+}
+
+/// The first line of a text, and what follows its end, if it has one. A line ends in LF, CR or both.
+pub(in crate::scene) fn first_line(text: &str) -> (&str, Option<&str>) {
+    let Some(end) = text.bytes().position(ends_line) else { return (text, None) };
+    let (line, rest) = text.split_at(end);
+    (line, Some(rest.strip_prefix("\r\n").unwrap_or(&rest[1..])))
+}
+
+/// The lines of a text with their numbers from 1.
 pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut left = Some(text);
     let next = move || {
-        let text = left?;
-        let Some(end) = text.find(['\r', '\n']) else {
-            left = None;
-            return Some(text);
-        };
-        let (line, rest) = text.split_at(end);
-        left = Some(rest.strip_prefix("\r\n").unwrap_or(&rest[1..]));
+        let (line, rest) = first_line(left?);
+        left = rest;
         Some(line)
     };
     (1..).zip(std::iter::from_fn(next))

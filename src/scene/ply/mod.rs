@@ -1,9 +1,13 @@
 //! Stanford PLY: meshes and point sets in ASCII or binary of either byte order, with elements in any order. Counts are held
 //! against the file's length before anything is kept for them.
 
+mod blocks;
 mod faces;
 mod header;
+mod lines;
 mod payload;
+#[cfg(test)]
+mod same;
 
 use std::sync::Arc;
 
@@ -11,7 +15,7 @@ use self::faces::Faces;
 use self::header::{Element, Header, Kind};
 use self::payload::Payload;
 use super::model::{GREY, MAX_TRIANGLES, Unplaced};
-use super::parts::{Tally, without_mark};
+use super::parts::{PIECE, Tally, without_mark};
 use super::points::table::{self, ALPHA, COLOR, NORMAL, Table};
 use super::{Material, Mesh, Model, PointSize, check, points};
 use crate::error::{Error, Result};
@@ -32,12 +36,17 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<Model> {
 /// # Errors
 /// As [`parse`].
 pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> {
+    read(bytes, place, size, PIECE)
+}
+
+/// Reads a file; text in pieces of about `piece` bytes. 0 is for rows one after the other.
+fn read(bytes: &[u8], place: &str, size: PointSize, piece: usize) -> Result<Model> {
     let wrong = |problem: String| Error::new(place, problem);
     let bytes = without_mark(bytes);
     let mut tally = Tally::default();
     let header = Header::read(bytes, &mut tally).map_err(wrong)?;
     header.check(bytes.len()).map_err(wrong)?;
-    let mut payload = Payload::new(bytes, &header);
+    let mut payload = Payload::new(bytes, &header, piece);
     let drawn = header.has_faces();
     let (mut table, mut faces) = (Table::default(), Faces::default());
     for element in &header.elements {
@@ -49,8 +58,15 @@ pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> 
                     break;
                 }
             }
-            "face" => faces.read_faces(&mut payload, element, &mut tally).map_err(wrong)?,
-            "tristrips" => faces.read_strips(&mut payload, element).map_err(wrong)?,
+            name @ ("face" | "tristrips") => {
+                let strip = name == "tristrips";
+                let from = match header.is_text() {
+                    true => lines::faces(&mut payload, element, &mut faces, strip),
+                    false => blocks::faces(&mut payload, element, &mut faces, strip),
+                };
+                faces.read(&mut payload, element, from, strip).map_err(wrong)?;
+                faces.say(&mut tally);
+            }
             _ => skip(&mut payload, element).map_err(wrong)?,
         }
         if element.name == "edge" && element.count > 0 {
@@ -63,7 +79,7 @@ pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> 
         });
     }
     let mut model = match drawn {
-        true => mesh(&table, &faces, &mut tally, place)?,
+        true => mesh(table, faces, &mut tally, place)?,
         false => points::model(&table, size, place)?,
     };
     model.warnings.extend(tally.warnings(place));
@@ -71,31 +87,26 @@ pub fn parse_sized(bytes: &[u8], place: &str, size: PointSize) -> Result<Model> 
 }
 
 /// One object of everything.
-fn mesh(table: &Table, faces: &Faces, tally: &mut Tally, place: &str) -> Result<Model> {
+fn mesh(table: Table, faces: Faces, tally: &mut Tally, place: &str) -> Result<Model> {
     let wrong = |problem: String| Error::new(place, problem);
     let triangles = faces.triangles(&table.places, tally).map_err(wrong)?;
     if triangles.is_empty() {
         return Err(wrong("element face: no face has 3 corners".to_owned()));
     }
-    let has = |from: usize| table.has[from..from + 3] == [true; 3];
     let three = |from: usize| -> Vec<[f32; 3]> {
-        let rows = table.rows.iter();
-        if has(from) {
-            rows.map(|row| [0, 1, 2].map(|i| row[from + i])).collect()
-        } else {
-            Vec::new()
+        if table.has[from..from + 3] != [true; 3] {
+            return Vec::new();
         }
+        let slot = table.slot(from);
+        table.values.chunks_exact(table.width()).map(|v| [0, 1, 2].map(|i| v[slot + i])).collect()
     };
-    let mut mesh = Mesh {
-        positions: table.places.clone(),
-        normals: three(NORMAL),
-        colors: three(COLOR),
-        triangles,
-        ..Mesh::default()
-    };
+    let mut mesh =
+        Mesh { normals: three(NORMAL), colors: three(COLOR), triangles, ..Mesh::default() };
     if table.has[ALPHA] {
-        mesh.alphas = table.rows.iter().map(|row| row[ALPHA]).collect();
+        let slot = table.slot(ALPHA);
+        mesh.alphas = table.values.chunks_exact(table.width()).map(|v| v[slot]).collect();
     }
+    mesh.positions = table.places;
     for (i, position) in mesh.positions.iter_mut().enumerate() {
         // A face that used it would have been an error.
         if !position.iter().all(|c| c.is_finite()) {
@@ -134,7 +145,11 @@ fn vertices(payload: &mut Payload<'_>, element: &Element, tally: &mut Tally) -> 
         .collect();
     columns.iter().flatten().for_each(|&column| table.has[column] = true);
     table.fill(element.count);
-    for row in 0..element.count {
+    if blocks::vertices(payload, element, &mut table, tally) {
+        return Ok(table);
+    }
+    let from = lines::vertices(payload, element, &mut table);
+    for row in from..element.count {
         for (property, column) in element.properties.iter().zip(&columns) {
             let context = || format!("vertex {row}: {}", property.name);
             let (Kind::Scalar(scalar), Some(column)) = (property.kind, *column) else {

@@ -1,29 +1,40 @@
 //! The numbers after the header, one after the other.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::super::model::Unplaced;
+use super::super::parts::{ends_line, pieces};
 use super::header::{Encoding, Header, Kind, Scalar};
 
 /// What is left to read.
 pub(super) struct Payload<'a> {
-    left: &'a [u8],
-    encoding: Encoding,
+    pub(super) left: &'a [u8],
+    pub(super) encoding: Encoding,
     /// Of text: the number of the line.
-    line: usize,
+    pub(super) line: usize,
     /// Of text: there are as many lines as elements, so that each has its own.
-    by_lines: bool,
+    pub(super) by_lines: bool,
     /// The first line with more on it than its element has.
     beyond: Option<usize>,
+    /// Of text: how many bytes are read at once; 0 where rows are read one after the other, also of binary files.
+    pub(super) piece: usize,
 }
 
 impl<'a> Payload<'a> {
-    pub(super) fn new(bytes: &'a [u8], header: &Header) -> Self {
+    /// What follows a header; text is read in pieces of about `piece` bytes. 0 is for rows one after the other.
+    pub(super) fn new(bytes: &'a [u8], header: &Header, piece: usize) -> Self {
         let left = bytes.get(header.end..).unwrap_or_default();
-        let lines = || left.split(|b| matches!(b, b'\n' | b'\r'));
-        let filled = || lines().filter(|line| !line.trim_ascii().is_empty()).count();
+        let filled = |own: &Range<usize>| {
+            let lines = left[own.clone()].split(|&byte| ends_line(byte));
+            lines.filter(|line| !line.trim_ascii().is_empty()).count()
+        };
+        let filled = || pieces(left, piece, |_| true).par_iter().map(filled).sum::<usize>();
         let elements = header.elements.iter().fold(0, |sum: usize, e| sum.saturating_add(e.count));
         let by_lines = header.encoding == Encoding::Text && filled() >= elements;
         let (encoding, line) = (header.encoding, header.lines + 1);
-        Self { left, encoding, line, by_lines, beyond: None }
+        Self { left, encoding, line, by_lines, beyond: None, piece }
     }
 
     /// After an element: what else is on its line is left out, if each has a line of its own.
@@ -52,21 +63,7 @@ impl<'a> Payload<'a> {
         let size = scalar.size();
         let (bytes, left) = self.left.split_at_checked(size).ok_or("the file ends before it")?;
         self.left = left;
-        let mut word = [0; 8];
-        word[..size].copy_from_slice(bytes);
-        if self.encoding == Encoding::Big {
-            word[..size].reverse();
-        }
-        let word = u64::from_le_bytes(word);
-        Ok(match scalar {
-            Scalar::I8 => f64::from(word as i8),
-            Scalar::I16 => f64::from(word as i16),
-            Scalar::I32 => f64::from(word as i32),
-            Scalar::I64 => word as i64 as f64,
-            Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => word as f64,
-            Scalar::F32 => f64::from(f32::from_bits(word as u32)),
-            Scalar::F64 => f64::from_bits(word),
-        })
+        Ok(number(bytes, scalar, self.encoding))
     }
 
     /// The length of the next list.
@@ -103,15 +100,8 @@ impl<'a> Payload<'a> {
         if word.is_empty() {
             return Err(format!("{}the file ends before it", self.place()));
         }
-        let text = std::str::from_utf8(word).unwrap_or_default();
-        let value = if single { text.parse().map(|v: f32| v.into()) } else { text.parse::<f64>() };
-        if let Ok(value) = value {
+        if let Some(value) = value(word, single) {
             return Ok(value);
-        }
-        // Printed by C: -nan(ind), 1.#QNAN, -1.#IND and the like.
-        let lower = text.to_ascii_lowercase();
-        if lower.contains("nan") || lower.contains("#i") || lower.contains("#q") {
-            return Ok(f64::NAN);
         }
         let word: String = String::from_utf8_lossy(word).chars().take(40).collect();
         Err(format!("{}{word:?} is not a number", self.place()))
@@ -124,4 +114,44 @@ impl<'a> Payload<'a> {
             Encoding::Little | Encoding::Big => String::new(),
         }
     }
+}
+
+/// The number that a word says; one that is `single` is rounded once.
+pub(super) fn value(word: &[u8], single: bool) -> Option<f64> {
+    let text = std::str::from_utf8(word).unwrap_or_default();
+    let value = if single { text.parse().map(|v: f32| v.into()) } else { text.parse::<f64>() };
+    value.ok().or_else(|| {
+        // Printed by C: -nan(ind), 1.#QNAN, -1.#IND and the like.
+        let lower = text.to_ascii_lowercase();
+        let none = lower.contains("nan") || lower.contains("#i") || lower.contains("#q");
+        none.then_some(f64::NAN)
+    })
+}
+
+/// The number of a binary file that takes all of `bytes`. All but the largest integers of 8 bytes fit into an f64.
+#[inline]
+pub(super) fn number(bytes: &[u8], scalar: Scalar, encoding: Encoding) -> f64 {
+    let big = encoding == Encoding::Big;
+    match scalar {
+        Scalar::I8 => f64::from(i8::from_le_bytes(word(bytes, big))),
+        Scalar::U8 => f64::from(u8::from_le_bytes(word(bytes, big))),
+        Scalar::I16 => f64::from(i16::from_le_bytes(word(bytes, big))),
+        Scalar::U16 => f64::from(u16::from_le_bytes(word(bytes, big))),
+        Scalar::I32 => f64::from(i32::from_le_bytes(word(bytes, big))),
+        Scalar::U32 => f64::from(u32::from_le_bytes(word(bytes, big))),
+        Scalar::I64 => i64::from_le_bytes(word(bytes, big)) as f64,
+        Scalar::U64 => u64::from_le_bytes(word(bytes, big)) as f64,
+        Scalar::F32 => f64::from(f32::from_le_bytes(word(bytes, big))),
+        Scalar::F64 => f64::from_le_bytes(word(bytes, big)),
+    }
+}
+
+/// The bytes of a number, the lowest first.
+#[inline]
+fn word<const N: usize>(bytes: &[u8], big: bool) -> [u8; N] {
+    let mut word = bytes.try_into().unwrap_or([0; N]);
+    if big {
+        word.reverse();
+    }
+    word
 }

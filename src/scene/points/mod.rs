@@ -71,11 +71,11 @@ pub(super) fn model(table: &Table, size: PointSize, place: &str) -> Result<Model
     let mesh = Mesh { discs: discs.map_err(wrong)?, ..Mesh::default() };
     check::mesh(place, &mesh)?;
     let mut model = Model::default();
-    let left_out = table.rows.len() - whole.len();
+    let left_out = table.rows() - whole.len();
     if left_out > 0 {
         model.warnings.push(format!(
             "{place}: {left_out} of {} points have no finite position and are left out",
-            table.rows.len()
+            table.rows()
         ));
     }
     // Splats hold the light that they give; nothing shines on them.

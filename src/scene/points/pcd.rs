@@ -5,7 +5,7 @@
 //! `rgba`, opacity; also where the type is a float), `intensity` (where there is no colour: a grey that spans its range)
 //! and `radius`. The viewpoint is not looked at.
 
-use super::table::{self, ALPHA, COLOR, Row, Table};
+use super::table::{self, ALPHA, COLOR, Table};
 use super::{PointSize, lzf, model};
 use crate::error::{Error, Result};
 use crate::scene::Model;
@@ -253,17 +253,17 @@ impl Fill {
         if let Meaning::Column(column) = meaning {
             return self.table.set(row, column, value.real);
         }
-        let row: &mut Row = &mut self.table.rows[row];
+        let table = &mut self.table;
         match meaning {
             Meaning::Packed { alpha } => {
                 let [b, g, r, a] = value.bits.to_le_bytes();
-                let share = |byte: u8| (f64::from(byte) / 255.0) as f32;
-                row[COLOR..COLOR + 3].copy_from_slice(&[r, g, b].map(share));
+                let mut share = |column, byte: u8| table.set(row, column, f64::from(byte) / 255.0);
+                [r, g, b].into_iter().enumerate().for_each(|(i, byte)| share(COLOR + i, byte));
                 if alpha {
-                    row[ALPHA] = share(a);
+                    share(ALPHA, a);
                 }
             }
-            Meaning::Intensity if self.grey => row[COLOR] = value.real as f32,
+            Meaning::Intensity if self.grey => table.set(row, COLOR, value.real),
             Meaning::Intensity | Meaning::Skipped | Meaning::Column(_) => {}
         }
     }
@@ -271,13 +271,16 @@ impl Fill {
     /// Intensities become greys: 0 at the smallest, 1 at the largest and where it is not finite.
     fn finish(mut self) -> Table {
         if self.grey {
-            let finite = self.table.rows.iter().map(|row| row[COLOR]).filter(|v| v.is_finite());
-            let (min, max) = finite
+            let rows = 0..self.table.rows();
+            let all = rows.clone().map(|row| self.table.get(row, COLOR));
+            let (min, max) = all
+                .filter(|v| v.is_finite())
                 .fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), v| (min.min(v), max.max(v)));
             let range = f64::from(max) - f64::from(min);
-            for row in &mut self.table.rows {
-                let grey = ((f64::from(row[COLOR]) - f64::from(min)) / range) as f32;
-                row[COLOR..COLOR + 3].fill(if (0.0..=1.0).contains(&grey) { grey } else { 1.0 });
+            for row in rows {
+                let grey = (f64::from(self.table.get(row, COLOR)) - f64::from(min)) / range;
+                let grey = if (0.0..=1.0).contains(&(grey as f32)) { grey } else { 1.0 };
+                (COLOR..COLOR + 3).for_each(|column| self.table.set(row, column, grey));
             }
         }
         self.table

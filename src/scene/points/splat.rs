@@ -33,7 +33,7 @@ fn disc(table: &Table, row: usize, scale: f64) -> Unplaced<Disc> {
     let wrong = |column: usize, problem: &str| {
         Err(format!("point {row}: {}: {problem}", Table::name(column)))
     };
-    let values: [f64; COLUMNS - SPLAT] = std::array::from_fn(|i| table.rows[row][SPLAT + i].into());
+    let values: [f64; COLUMNS - SPLAT] = std::array::from_fn(|i| table.get(row, SPLAT + i).into());
     if let Some(i) = values.iter().position(|v| !v.is_finite()) {
         return wrong(SPLAT + i, "must be finite");
     }

@@ -27,9 +27,6 @@ pub(super) const SPLAT: usize = 11;
 /// The column of a splat's opacity, whose name others use, too.
 const OPACITY: usize = 14;
 
-/// The properties of one point.
-pub(in crate::scene) type Row = [f32; COLUMNS];
-
 /// The column of a property by one of its names, if it is known. Asked for every property of every point.
 pub(in crate::scene) fn column(name: &str) -> Option<usize> {
     Some(match name {
@@ -69,31 +66,56 @@ pub(in crate::scene) fn is_share(column: usize) -> bool {
 pub(in crate::scene) struct Table {
     /// Which columns the file has.
     pub(in crate::scene) has: [bool; COLUMNS],
-    /// 0 in columns that it has not.
-    pub(in crate::scene) rows: Vec<Row>,
     /// The positions of the rows, which need not fit into single precision.
     pub(in crate::scene) places: Vec<[f64; 3]>,
+    /// The other columns that the file has, row by row.
+    pub(in crate::scene) values: Vec<f32>,
 }
 
 impl Table {
+    /// How many rows there are.
+    pub(in crate::scene) fn rows(&self) -> usize {
+        self.places.len()
+    }
+
     /// The rows whose position is finite.
     pub(super) fn whole(&self) -> Vec<usize> {
         let finite = |&row: &usize| self.places[row].iter().all(|c| c.is_finite());
         (0..self.places.len()).filter(finite).collect()
     }
 
-    /// A row's value by its column.
+    /// How many values a row has.
+    pub(in crate::scene) fn width(&self) -> usize {
+        self.slot(COLUMNS)
+    }
+
+    /// Where a column stands in a row's values, if the file has it.
+    pub(in crate::scene) fn slot(&self, column: usize) -> usize {
+        self.has[NORMAL..column].iter().filter(|has| **has).count()
+    }
+
+    /// A row's value in a column behind the position; 0 where the file has none.
+    pub(in crate::scene) fn get(&self, row: usize, column: usize) -> f32 {
+        let value = || self.values[row * self.width() + self.slot(column)];
+        if self.has[column] { value() } else { 0.0 }
+    }
+
+    /// Sets a row's value in a column that the file has.
     pub(in crate::scene) fn set(&mut self, row: usize, column: usize, value: f64) {
         match column {
             0..NORMAL => self.places[row][column] = value,
-            _ => self.rows[row][column] = value as f32,
+            _ if self.has[column] => {
+                let at = row * self.width() + self.slot(column);
+                self.values[at] = value as f32;
+            }
+            _ => {}
         }
     }
 
-    /// As many empty rows.
+    /// As many empty rows, when it is known which columns there are.
     pub(in crate::scene) fn fill(&mut self, rows: usize) {
-        self.rows = vec![[0.0; COLUMNS]; rows];
         self.places = vec![[0.0; 3]; rows];
+        self.values = vec![0.0; rows * self.width()];
     }
 
     /// Whether the points are Gaussian splats; an error if the file has only some of their properties.
@@ -116,7 +138,7 @@ impl Table {
 
     /// Three neighbouring columns.
     pub(super) fn three(&self, row: usize, from: usize) -> [f32; 3] {
-        std::array::from_fn(|i| self.rows[row][from + i])
+        std::array::from_fn(|i| self.get(row, from + i))
     }
 
     /// White without one, for the material's to show.
@@ -130,7 +152,7 @@ impl Table {
     }
 
     pub(super) fn alpha(&self, row: usize) -> f32 {
-        if self.has[ALPHA] { self.rows[row][ALPHA] } else { 1.0 }
+        if self.has[ALPHA] { self.get(row, ALPHA) } else { 1.0 }
     }
 
     /// Unit normals of the rows that have one.
@@ -148,7 +170,7 @@ impl Table {
         if !self.has[RADIUS] {
             return Ok(None);
         }
-        let radius = |&row: &usize| match self.rows[row][RADIUS] {
+        let radius = |&row: &usize| match self.get(row, RADIUS) {
             radius if radius > 0.0 && radius.is_finite() => Ok(f64::from(radius)),
             radius => Err(format!("point {row}: radius: {radius} must be finite and above 0")),
         };
