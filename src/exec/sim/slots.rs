@@ -1,8 +1,8 @@
 //! Slots, invocations and steps: one pass.
 //!
 //! The cost of a step is mostly waiting: for the branch that depends on where the invocation stands, which no processor
-//! predicts under a random schedule, and for the cache. So the loop is kept short, what it needs is requested some steps
-//! ahead, and invocations are just the futures of their scheme, in a pool of places that are made once.
+//! predicts under a random schedule, and for the cache. So the loop is kept short, everything it needs next is
+//! requested a step ahead, and invocations are just the futures of their scheme, in a pool of places that are made once.
 
 use std::marker::PhantomData;
 use std::ops::Range;
