@@ -43,7 +43,7 @@ fn snapped(words: &[[u8; 4]; 9]) -> Polygon {
 
 fn compare(polygon: &Polygon) {
     let mut fast = vec![None; (WIDTH * HEIGHT) as usize];
-    if let Setup::Visible(primitive) = Primitive::new(polygon, 0, IMAGE) {
+    if let Setup::Visible(primitive) = Primitive::new(polygon.vertices(), 0, IMAGE) {
         primitive.blocks(IMAGE, |x, y, mask| {
             let origin = primitive.plane.at(x, y);
             for bit in (0..64).filter(|bit| mask >> bit & 1 == 1) {

@@ -26,7 +26,9 @@ use crate::catalogue::Catalogue;
 use crate::cli::Verdict;
 use crate::cli::options::flags::{Exec, Output};
 use crate::cli::terminal::{say, wait};
-use crate::error::{Error, Result};
+#[cfg(feature = "gpu")]
+use crate::error::Error;
+use crate::error::Result;
 use crate::exec::Method;
 use crate::render::Options;
 use crate::report::json;

@@ -3,7 +3,7 @@
 //! Triangles and discs are set up in parallel, in parts of a fixed number, and the parts stay as they are: nothing is
 //! joined or moved, and nothing depends on the number of threads. The index of a primitive is its part and its place
 //! there, so that indices grow in submission order, with gaps. A bin lists the primitives that may touch a tile, in
-//! submission order ([`bins`]).
+//! submission order (`bins`).
 
 mod bins;
 mod part;

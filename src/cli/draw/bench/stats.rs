@@ -35,6 +35,7 @@ pub(super) fn medians(runs: &[BTreeMap<String, f64>]) -> BTreeMap<String, f64> {
 }
 
 /// The smallest and the largest.
+#[cfg(any(feature = "gpu", test))]
 pub(super) fn spread(values: &[f64]) -> [f64; 2] {
     let ends = |[low, high]: [f64; 2], &value: &f64| [low.min(value), high.max(value)];
     values.iter().fold([f64::MAX, 0.0], ends)
