@@ -1,8 +1,8 @@
 //! Which primitives may touch which tile.
 //!
-//! Whoever sets up a part sorts its primitives by the rows of tiles that they touch, while they are in its cache. Then
-//! each row of tiles is binned by one thread, which goes through its primitives in submission order. No counter and no
-//! list is shared.
+//! The thread that sets up a part also sorts its primitives by row of tiles: they are in its cache then. After that, one
+//! thread bins each row of tiles. It goes through the row's primitives in submission order. Threads share no counter
+//! and no list.
 
 use rayon::prelude::*;
 

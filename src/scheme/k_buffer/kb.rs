@@ -70,12 +70,7 @@ impl Scheme for KBuffer {
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        match self.k {
-            4 => mem.part(self.insert::<_, 4>(mem, fragment)).await,
-            8 => mem.part(self.insert::<_, 8>(mem, fragment)).await,
-            16 => mem.part(self.insert::<_, 16>(mem, fragment)).await,
-            _ => mem.part(self.insert::<_, MAX_K>(mem, fragment)).await,
-        }
+        with_entries!(self.k, MOST => mem.part(self.insert::<_, MOST>(mem, fragment)).await)
     }
 
     /// In the end, entries are sorted front to back and empty ones come last. Invocations that overlap break that too:
@@ -116,8 +111,7 @@ impl Scheme for KBuffer {
 }
 
 impl KBuffer {
-    /// The store pass with registers for `MOST` entries. Fewer than [`MAX_K`] are k, a number that the compiler knows,
-    /// as a shader's does: it unrolls the loops, and the entries are registers.
+    /// The store pass with room for `MOST` entries: fewer than [`MAX_K`] are k itself.
     #[allow(
         clippy::needless_range_loop,
         reason = "an iterator would point into the invocation's state"

@@ -132,31 +132,16 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
     }
 
     async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
-        match self.k {
-            4 => mem.part(self.insert::<_, 4>(mem, fragment)).await,
-            8 => mem.part(self.insert::<_, 8>(mem, fragment)).await,
-            16 => mem.part(self.insert::<_, 16>(mem, fragment)).await,
-            _ => mem.part(self.insert::<_, MAX_K>(mem, fragment)).await,
-        }
+        with_entries!(self.k, MOST => mem.part(self.insert::<_, MOST>(mem, fragment)).await);
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        match self.k {
-            4 => mem.part(self.verify::<_, 4>(mem, fragment)).await,
-            8 => mem.part(self.verify::<_, 8>(mem, fragment)).await,
-            16 => mem.part(self.verify::<_, 16>(mem, fragment)).await,
-            _ => mem.part(self.verify::<_, MAX_K>(mem, fragment)).await,
-        }
+        with_entries!(self.k, MOST => mem.part(self.verify::<_, MOST>(mem, fragment)).await);
         Outcome::Kept
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        match self.k {
-            4 => mem.part(self.emit::<_, 4>(mem, pixel, keys)).await,
-            8 => mem.part(self.emit::<_, 8>(mem, pixel, keys)).await,
-            16 => mem.part(self.emit::<_, 16>(mem, pixel, keys)).await,
-            _ => mem.part(self.emit::<_, MAX_K>(mem, pixel, keys)).await,
-        }
+        with_entries!(self.k, MOST => mem.part(self.emit::<_, MOST>(mem, pixel, keys)).await);
     }
 
     async fn again<M: Memory>(&self, mem: &M, pixel: u32) -> bool {
@@ -164,7 +149,7 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
     }
 }
 
-/// Passes with registers for `MOST` entries, as in `kb`.
+/// Passes with room for `MOST` entries, as in `kb`.
 #[allow(
     clippy::needless_range_loop,
     reason = "an iterator would point into the invocation's state"
