@@ -51,7 +51,7 @@ fn entries(kept: &Kept) -> u64 {
         Kept::Fragments(lists) => lists.entries.len() as u64,
         Kept::Records(lists) => lists.entries.len() as u64,
         Kept::Color(pixels) => pixels.iter().map(|light| u64::from(light.kept)).sum(),
-        Kept::Depths(_) | Kept::Gone => 0,
+        Kept::Depths(_) | Kept::Gone(_) => 0,
     }
 }
 

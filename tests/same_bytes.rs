@@ -4,6 +4,8 @@
 
 mod support;
 
+use std::collections::BTreeMap;
+
 use fragloom::catalogue::Catalogue;
 use fragloom::exec::{Kit, Method};
 use fragloom::fragment::Data;
@@ -11,7 +13,9 @@ use fragloom::num::depth::Format;
 use fragloom::render::Report;
 use fragloom::render::{Effect, Exec, Options, Wanted, render_with};
 use fragloom::resolve::Kept;
-use fragloom::scheme::contract::Form;
+use fragloom::scene::Thickness;
+use fragloom::scheme::HeldKind;
+use fragloom::scheme::contract::{Contract, Form};
 use support::{draw, options, policies, scene, sim, small_scenes};
 
 /// All ways to run.
@@ -163,20 +167,29 @@ fn a_method_that_depends_on_schedules_is_seen() {
 fn less_may_be_wanted() {
     let catalogue = Catalogue::built_in();
     let contracts: Vec<_> = catalogue.contracts().filter(|c| c.form == Form::Correct).collect();
-    let mut gone = 0;
-    for contract in contracts {
+    let (mut gone, mut merged) = (BTreeMap::new(), 0);
+    // As surfaces, and as slabs of which some are merged, where a method merges.
+    let thicknesses = [Thickness::Precision(0.0), Thickness::World(0.05)];
+    let slabs = |c: &Contract| if c.has_slabs() { &thicknesses[..] } else { &thicknesses[..1] };
+    let runs =
+        contracts.iter().flat_map(|&c| slabs(c).iter().map(move |&thickness| (c, thickness)));
+    for (contract, thickness) in runs {
         // A picture whose edges cut tiles.
         let scene = scene("bottles:columns=2,rows=2,levels=1,sides=12", [75, 41]);
-        let base = Options { tile: 16, ..options(contract.name, contract.default_k.map(|_| 3)) };
+        let base = options(contract.name, contract.default_k.map(|_| 3));
+        let base = Options { tile: 16, thickness, ..base };
         let [lists, hash, picture] = [Wanted::Lists, Wanted::Hash, Wanted::Picture]
             .map(|wanted| draw(&scene, &Options { wanted, ..base.clone() }));
         let name = contract.name;
         assert_eq!(lists.report.fragments_hash, hash.report.fragments_hash, "{name}");
-        if lists.kept.fragments().is_some() {
-            assert_eq!((&hash.kept, &picture.kept), (&Kept::Gone, &Kept::Gone), "{name}");
+        let kind = lists.kept.kind();
+        if kind.is_list() {
+            let none = Kept::Gone(kind);
+            assert_eq!((&hash.kept, &picture.kept), (&none, &none), "{name}");
             assert_eq!(picture.report.fragments_hash, None, "{name}");
             assert!(hash.lists().is_err());
-            gone += 1;
+            *gone.entry(kind).or_insert(0) += 1;
+            merged += lists.report.merged;
         }
         for less in [hash, picture] {
             assert_eq!(less.image, lists.image, "{name}");
@@ -184,7 +197,9 @@ fn less_may_be_wanted() {
             assert_eq!(kept(&less.report), kept(&lists.report), "{name}");
         }
     }
-    assert!(gone >= 20, "{gone} methods keep fragments");
+    let [fragments, records] = [HeldKind::Fragments, HeldKind::Records].map(|kind| gone[&kind]);
+    assert!(fragments >= 20 && records >= 6, "{gone:?}");
+    assert!(merged > 100, "{merged}");
 }
 
 /// Whether operations are counted does not show. Where they are not, passes that only count fragments are run by whole

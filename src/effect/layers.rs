@@ -44,7 +44,7 @@ impl Layers<'_> {
                 out.extend(lists.pixel(x, y).iter().map(|&key| self.surface(key, x, y)));
             }
             Kept::Records(lists) => out.extend_from_slice(lists.pixel(x, y)),
-            Kept::Color(_) | Kept::Depths(_) | Kept::Gone => {}
+            Kept::Color(_) | Kept::Depths(_) | Kept::Gone(_) => {}
         }
     }
 

@@ -74,7 +74,7 @@ pub struct Job<'a> {
     pub opaque: u16,
     /// By storage pixel, the depth word behind which fragments do not reach the scheme; empty: all of them do.
     pub culling: Vec<u32>,
-    /// Whether lists of fragments go as soon as they are composited: nobody wants more than the picture.
+    /// Whether lists go as soon as they are composited: nobody wants more than the picture.
     pub picture_only: bool,
     /// What the frames before have left for this one.
     pub kit: &'a Kit,

@@ -95,7 +95,7 @@ impl<'a> View<'a> {
                     ..Look::default()
                 }
             }
-            Kept::Depths(_) | Kept::Gone => Look::default(),
+            Kept::Depths(_) | Kept::Gone(_) => Look::default(),
         }
     }
 

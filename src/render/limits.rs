@@ -74,7 +74,7 @@ pub(super) fn layers(options: &Options, kept: &Kept) -> Result<()> {
     let entries = match kept {
         Kept::Fragments(lists) => lists.entries.len(),
         Kept::Records(lists) => lists.entries.len(),
-        Kept::Color(_) | Kept::Depths(_) | Kept::Gone => 0,
+        Kept::Color(_) | Kept::Depths(_) | Kept::Gone(_) => 0,
     };
     let each = 2 * size_of::<Record>() + size_of::<Slab>() + size_of::<[f64; 2]>();
     refuse_above(options, (entries * each) as u64, "layers in screen space")

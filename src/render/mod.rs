@@ -175,10 +175,13 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         threads,
         opaque: options.table.opaque(),
         culling: bounds.unwrap_or_default(),
+        // The accounting compares no merged records, but fragments of methods that may lose some.
         picture_only: wanted == Wanted::Picture
-            && method.holds() == HeldKind::Fragments
-            && !contract.is_racy()
-            && !contract.is_judged(),
+            && match method.holds() {
+                HeldKind::Fragments => !contract.is_racy() && !contract.is_judged(),
+                HeldKind::Records => true,
+                HeldKind::Color | HeldKind::Depth => false,
+            },
         kit,
     };
     limits::kept(options, &job, wanted)?;
@@ -189,9 +192,10 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         watch.lap("judge");
     }
     let (kept, composited) = match wanted {
-        _ if job.holds != HeldKind::Fragments => executed.frame.assemble(&grid),
-        Wanted::Lists => executed.frame.assemble(&grid),
-        Wanted::Hash | Wanted::Picture => (Kept::Gone, executed.frame.picture(&grid)),
+        Wanted::Hash | Wanted::Picture if job.holds.is_list() => {
+            (Kept::Gone(job.holds), executed.frame.picture(&grid))
+        }
+        _ => executed.frame.assemble(&grid),
     };
     if wanted == Wanted::Lists {
         kit.keep(std::mem::take(&mut executed.frame.tiles));
@@ -235,7 +239,7 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
     }
     report.image_hash = image.hash();
     report.fragments_hash = match wanted {
-        Wanted::Hash if kept == Kept::Gone => executed.frame.fragments_hash(&grid),
+        Wanted::Hash if job.holds.is_list() => executed.frame.lists_hash(&grid),
         _ => kept_hash(&kept),
     };
     kit.keep(std::mem::take(&mut executed.frame.tiles));

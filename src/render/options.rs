@@ -23,14 +23,14 @@ use super::table::TableOptions;
 pub use crate::exec::sim::policy::Policy;
 pub use crate::fragment::sort::Sort;
 
-/// What is wanted of the fragments that pixels keep. Less takes less memory and time; merged records, colours and depths
-/// are always at hand.
+/// What is wanted of the lists that pixels keep, of fragments or of merged records. Less takes less memory and time;
+/// colours and depths are always at hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Wanted {
     /// Their lists, and the hash of them.
     #[default]
     Lists,
-    /// The hash alone: 8 bytes a fragment, by tile.
+    /// The hash alone: 8 bytes a fragment, 12 if it may be thick, by tile.
     Hash,
     /// Nothing: lists are needed for the tiles in work alone, unless the accounting compares them with the exact ones,
     /// as for racy methods.

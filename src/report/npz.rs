@@ -32,7 +32,7 @@ impl<'a> Written<'a> {
         match kept {
             Kept::Fragments(lists) => Ok(Self::Fragments(lists)),
             Kept::Records(lists) => Ok(Self::Records(lists)),
-            Kept::Color(_) | Kept::Depths(_) | Kept::Gone => {
+            Kept::Color(_) | Kept::Depths(_) | Kept::Gone(_) => {
                 let problem = format!("needs lists, but {method} gives {}", kept.kind().name());
                 Err(Error::new("--fragments", problem))
             }

@@ -17,7 +17,7 @@ pub fn kept_hash(kept: &Kept) -> Option<String> {
         Kept::Fragments(lists) => Some(fragments_hash(lists)),
         Kept::Records(lists) => Some(records_hash(lists)),
         Kept::Depths(depths) => Some(depths_hash(depths)),
-        Kept::Color(_) | Kept::Gone => None,
+        Kept::Color(_) | Kept::Gone(_) => None,
     }
 }
 
@@ -32,7 +32,8 @@ pub fn fragments_hash(lists: &Lists) -> String {
     stream.finish()
 }
 
-/// [`fragments_hash`], part by part: all offsets, then the depths of all fragments, then the data words of all.
+/// [`fragments_hash`] or [`records_hash`], part by part: all offsets, then of fragments all depths, then all data words;
+/// of records, all of every [`Part`].
 #[derive(Debug)]
 pub struct Stream {
     hasher: Sha256,
@@ -64,6 +65,17 @@ impl Stream {
         self.words(keys, |key| (key as u32).to_le_bytes());
     }
 
+    /// This part of the next records.
+    pub fn records(&mut self, part: Part, records: impl Iterator<Item = Record>) {
+        match part {
+            Part::Depth => self.bytes(records.map(|record| record.depth.to_le_bytes())),
+            Part::Color => self.bytes(records.map(|record| record.color().to_le_bytes())),
+            Part::Thickness => self.bytes(records.map(|record| record.thickness.to_le_bytes())),
+            Part::Rgba => self.bytes(records.flat_map(|record| record.rgba.map(f64::to_le_bytes))),
+            Part::Weight => self.bytes(records.map(|record| record.weight.to_le_bytes())),
+        }
+    }
+
     /// Hexadecimal.
     #[must_use]
     pub fn finish(mut self) -> String {
@@ -82,35 +94,52 @@ impl Stream {
             self.chunk.extend(some.iter().flat_map(|&word| bytes(word)));
         }
     }
+
+    fn bytes<const N: usize>(&mut self, words: impl Iterator<Item = [u8; N]>) {
+        for word in words {
+            if self.chunk.len() + N > CHUNK {
+                self.hasher.update(&self.chunk);
+                self.chunk.clear();
+            }
+            self.chunk.extend(word);
+        }
+    }
 }
 
-/// The same of merged records: width and height, offsets, depths, colours as data words (RGBA8), thicknesses (f64),
-/// four premultiplied components of every colour (f64 each), and weights (f64).
+/// The parts of merged records in their digest, one after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// u32.
+    Depth,
+    /// The colour as a data word (RGBA8).
+    Color,
+    /// f64.
+    Thickness,
+    /// The four premultiplied components of the colour, f64 each.
+    Rgba,
+    /// f64.
+    Weight,
+}
+
+impl Part {
+    /// In their order.
+    pub const ALL: [Self; 5] =
+        [Self::Depth, Self::Color, Self::Thickness, Self::Rgba, Self::Weight];
+}
+
+/// The same of merged records: width and height, offsets, then all of every [`Part`].
 #[must_use]
 pub fn records_hash(lists: &Lists<Record>) -> String {
-    let (mut hasher, records) = (head(lists), &lists.entries);
-    update(&mut hasher, records, |record| record.depth.to_le_bytes());
-    update(&mut hasher, records, |record| record.color().to_le_bytes());
-    update(&mut hasher, records, |record| record.thickness.to_le_bytes());
-    let colors: Vec<f64> = records.iter().flat_map(|record| record.rgba).collect();
-    update(&mut hasher, &colors, f64::to_le_bytes);
-    update(&mut hasher, records, |record| record.weight.to_le_bytes());
-    hex(&hasher.finalize())
+    let mut stream = Stream::new(lists.width, lists.height);
+    stream.offsets(&lists.offsets);
+    Part::ALL.iter().for_each(|&part| stream.records(part, lists.entries.iter().copied()));
+    stream.finish()
 }
 
 fn depths_hash(depths: &[Depth]) -> String {
     let mut hasher = Sha256::new();
     update(&mut hasher, depths, |Depth(depth)| depth.to_le_bytes());
     hex(&hasher.finalize())
-}
-
-/// The beginning of every digest of lists.
-fn head<T>(lists: &Lists<T>) -> Sha256 {
-    let mut hasher = Sha256::new();
-    hasher.update(lists.width.to_le_bytes());
-    hasher.update(lists.height.to_le_bytes());
-    update(&mut hasher, &lists.offsets, u64::to_le_bytes);
-    hasher
 }
 
 /// SHA-256, hexadecimal, of a hash table: over width and height (little-endian u32), then its cells (u64), row by row.

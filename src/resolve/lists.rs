@@ -54,8 +54,8 @@ pub enum Kept {
     Color(Vec<Light>),
     /// A depth for every pixel, row by row, and no lists.
     Depths(Vec<Depth>),
-    /// Fragments were kept, but are not at hand: nobody wanted more than their hash or the picture.
-    Gone,
+    /// Lists of this kind, which are not at hand: nobody wanted more than their hash or the picture.
+    Gone(HeldKind),
 }
 
 impl Kept {
@@ -63,10 +63,11 @@ impl Kept {
     #[must_use]
     pub fn kind(&self) -> HeldKind {
         match self {
-            Self::Fragments(_) | Self::Gone => HeldKind::Fragments,
+            Self::Fragments(_) => HeldKind::Fragments,
             Self::Records(_) => HeldKind::Records,
             Self::Color(_) => HeldKind::Color,
             Self::Depths(_) => HeldKind::Depth,
+            &Self::Gone(kind) => kind,
         }
     }
 
@@ -76,7 +77,7 @@ impl Kept {
         let is_nan = |light: &&Light| light.color.iter().any(|c| c.is_nan());
         match self {
             Self::Color(pixels) => Some(pixels.iter().filter(is_nan).count() as u64),
-            Self::Fragments(_) | Self::Records(_) | Self::Depths(_) | Self::Gone => None,
+            Self::Fragments(_) | Self::Records(_) | Self::Depths(_) | Self::Gone(_) => None,
         }
     }
 
@@ -85,7 +86,7 @@ impl Kept {
     pub fn fragments(&self) -> Option<&Lists> {
         match self {
             Self::Fragments(lists) => Some(lists),
-            Self::Records(_) | Self::Color(_) | Self::Depths(_) | Self::Gone => None,
+            Self::Records(_) | Self::Color(_) | Self::Depths(_) | Self::Gone(_) => None,
         }
     }
 }

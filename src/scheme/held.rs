@@ -101,6 +101,12 @@ impl HeldKind {
         }
     }
 
+    /// It is a list.
+    #[must_use]
+    pub fn is_list(self) -> bool {
+        matches!(self, Self::Fragments | Self::Records)
+    }
+
     /// In words.
     #[must_use]
     pub fn name(self) -> &'static str {

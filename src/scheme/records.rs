@@ -7,6 +7,9 @@ use super::record::{Record, Scale, Single, Whole};
 use crate::fragment::{data_of, depth_of, key};
 use crate::num::depth::EMPTY;
 
+/// How many places are made at once.
+const AT_ONCE: usize = 8;
+
 /// Merged records of a pixel, or of several, one pixel after another.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Records {
@@ -46,9 +49,9 @@ impl Records {
         self.merged = 0;
     }
 
-    /// Make room for exactly so many that are one fragment each.
+    /// Make room for so many that are one fragment each, and hardly more.
     pub fn reserve(&mut self, count: usize) {
-        self.keys.reserve_exact(count);
+        self.keys.reserve_exact(count + AT_ONCE);
     }
 
     /// Add a surface of one fragment: its key with the colour word.
@@ -68,6 +71,30 @@ impl Records {
             }
             self.nears.push(near);
         }
+    }
+
+    /// Make so many more places, to be filled one by one in their order ([`Records::put`], [`Records::put_record`]).
+    /// Returns the first.
+    #[inline]
+    pub fn spread(&mut self, count: usize) -> usize {
+        let first = self.keys.len();
+        let end = first + count;
+        // By a few at once, which takes no call.
+        while self.keys.len() < end {
+            self.keys.extend_from_slice(&[0; AT_ONCE]);
+        }
+        self.keys.truncate(end);
+        first
+    }
+
+    /// Put a record into a place.
+    #[inline]
+    pub fn put_record(&mut self, place: usize, record: Record) {
+        self.keys[place] = key(EMPTY, self.list.len() as u32);
+        if let Some(own) = self.nears.get_mut(place) {
+            *own = EMPTY;
+        }
+        self.list.push(record);
     }
 
     /// Add a record.
@@ -123,15 +150,6 @@ impl Records {
         self.list.is_empty() || !self.keys[places].iter().any(|&key| is_merged(key))
     }
 
-    /// All in these places, which are one fragment each, are surfaces.
-    #[inline]
-    #[must_use]
-    pub fn are_surfaces(&self, places: Range<usize>) -> bool {
-        let thick = |i: usize| self.nears[i] < depth_of(self.keys[i]);
-        self.nears.len() <= places.start
-            || !(places.start..places.end.min(self.nears.len())).any(thick)
-    }
-
     /// Those in these places, in canonical order and one fragment each, do not overlap.
     #[must_use]
     pub fn are_apart(&self, places: Range<usize>) -> bool {
@@ -161,7 +179,9 @@ impl Records {
         if let Some(own) = self.nears.get_mut(place) {
             *own = near;
         } else if near < depth_of(key) {
-            self.pad(place);
+            if self.nears.len() < place {
+                self.pad(place);
+            }
             self.nears.push(near);
         }
     }
@@ -227,6 +247,16 @@ impl Records {
             sort(&mut self.keys[places]);
         } else {
             self.arrange_thick(places, sort);
+        }
+    }
+
+    /// As [`Records::arrange`], but for a picture alone: of those that are one fragment, near ends stay where they are.
+    #[inline]
+    pub fn arrange_colors(&mut self, places: Range<usize>, sort: impl Fn(&mut [u64])) {
+        if self.are_single(places.clone()) {
+            sort(&mut self.keys[places]);
+        } else {
+            self.arrange_any(places);
         }
     }
 
@@ -314,6 +344,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::num::ray::Ray;
     use crate::scheme::Holds;
 
     #[test]
@@ -338,8 +369,6 @@ mod tests {
         records.copy(2, &mut found[..3]);
         assert_eq!(found[..3], expected[2..5]);
         assert!(records.are_single(4..6) && !records.are_single(1..3));
-        assert!(records.are_surfaces(0..1) && records.are_surfaces(4..6));
-        assert!(!records.are_surfaces(2..3));
         records.truncate(3);
         records.push(merged);
         assert_eq!(records.into_list(), [&expected[..3], &[merged]].concat());
@@ -383,6 +412,45 @@ mod tests {
     }
 
     proptest! {
+        /// Places filled one by one hold what is added one by one.
+        #[test]
+        fn places_are_filled_in_their_order(
+            pixels in prop::collection::vec(entries(40), 1..5), thick: bool, merged: bool,
+        ) {
+            let (mut added, mut filled) = (Records::default(), Records::default());
+            for pixel in &pixels {
+                let own = of(pixel, thick, merged);
+                added.append(&own);
+                let first = filled.spread(own.len());
+                prop_assert_eq!(first + own.len(), added.len());
+                for place in 0..own.len() {
+                    match own.merged_at(place) {
+                        Some(&record) => filled.put_record(first + place, record),
+                        None => filled.put(first + place, own.single(place)),
+                    }
+                }
+            }
+            prop_assert_eq!(filled.nears.is_empty(), added.nears.is_empty());
+            prop_assert_eq!(filled.into_list(), added.into_list());
+        }
+
+        /// What is in order for a picture shows what is in order.
+        #[test]
+        fn near_ends_do_not_show(entries in entries(40), thick: bool, merged: bool) {
+            let (mut whole, mut colors) = (of(&entries, thick, merged), of(&entries, thick, merged));
+            whole.arrange(0..entries.len(), <[u64]>::sort_unstable);
+            colors.arrange_colors(0..entries.len(), <[u64]>::sort_unstable);
+            let look = |records: &Records| {
+                let mut ray = Ray::default();
+                (0..records.len()).for_each(|place| match records.merged_at(place) {
+                    Some(record) => ray.over_record(record),
+                    None => ray.over(data_of(records.key(place))),
+                });
+                ray
+            };
+            prop_assert_eq!(look(&colors), look(&whole));
+        }
+
         /// A pixel's records, between those of others, in the order of what they stand for.
         #[test]
         fn arranged_records_are_in_the_order_of_what_they_stand_for(

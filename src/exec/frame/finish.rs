@@ -128,7 +128,12 @@ impl<'a> Finisher<'a> {
     /// gives the same.
     fn records(&mut self, mut records: Records) {
         let Self { job, output, ends, .. } = self;
-        each(&ends.entries, |places| records.arrange(places, |keys| job.sort.keys(keys)));
+        let sort = |keys: &mut [u64]| job.sort.keys(keys);
+        if job.picture_only {
+            each(&ends.entries, |places| records.arrange_colors(places, sort));
+        } else {
+            each(&ends.entries, |places| records.arrange(places, sort));
+        }
         let data = |_, place: usize| data_of(records.key(place));
         let merged = |places: Range<usize>| !records.are_single(places);
         let ray = |places: Range<usize>| {

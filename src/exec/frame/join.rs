@@ -6,7 +6,7 @@ use super::{Column, Frame, TileOutput};
 use crate::fragment::BLOCK;
 use crate::image::Image;
 use crate::raster::Grid;
-use crate::resolve::digest::Stream;
+use crate::resolve::digest::{Part, Stream};
 use crate::resolve::{Kept, Lists};
 use crate::scheme::{Depth, Light};
 
@@ -66,39 +66,47 @@ impl Frame {
         Image { width: grid.width, height: grid.height, pixels }
     }
 
-    /// The hash of the fragments ([`crate::resolve::digest::fragments_hash`]), if that is what pixels hold. Lists are
-    /// not joined for it.
+    /// The hash of the lists of fragments ([`crate::resolve::digest::fragments_hash`]) or merged records
+    /// ([`crate::resolve::digest::records_hash`]), if that is what pixels hold. Lists are not joined for it.
     #[must_use]
-    pub fn fragments_hash(&self, grid: &Grid) -> Option<String> {
-        if self.tiles.iter().any(|tile| !matches!(tile.column, Column::Keys(_))) {
-            return None;
-        }
+    pub fn lists_hash(&self, grid: &Grid) -> Option<String> {
         let starts: Vec<Vec<u32>> = self.tiles.iter().map(starts).collect();
-        // The pixels of a line in a block lie side by side in storage, and so do their fragments.
-        let each = |visit: &mut dyn FnMut(&[u32], &[u64])| {
-            for (y, x) in (0..grid.height)
-                .flat_map(|y| (0..grid.width).step_by(BLOCK as usize).map(move |x| (y, x)))
-            {
+        // The pixels of a line in a block lie side by side in storage, and so do their entries.
+        let lines = (0..grid.height)
+            .flat_map(|y| (0..grid.width).step_by(BLOCK as usize).map(move |x| (x, y)))
+            .map(|(x, y)| {
                 let tile = (y / grid.tile * grid.columns() + x / grid.tile) as usize;
                 let first = grid.local_pixel(x, y) as usize;
                 let last = first + (grid.width - x).min(BLOCK) as usize - 1;
                 let TileOutput { counts, column, .. } = &self.tiles[tile];
                 let ends =
                     starts[tile][first] as usize..(starts[tile][last] + counts[last]) as usize;
-                visit(&counts[first..=last], &column.keys()[ends]);
-            }
-        };
+                (&counts[first..=last], column, ends)
+            });
         let mut stream = Stream::new(grid.width, grid.height);
         let mut end = 0;
         stream.offsets(&[0]);
-        each(&mut |counts, _| {
-            for &count in counts {
-                end += u64::from(count);
-                stream.offsets(&[end]);
+        for &count in lines.clone().flat_map(|(counts, ..)| counts) {
+            end += u64::from(count);
+            stream.offsets(&[end]);
+        }
+        match self.tiles.first().map_or(&Column::default(), |tile| &tile.column) {
+            Column::Keys(_) => {
+                let keys = lines.map(|(_, column, places)| &column.keys()[places]);
+                keys.clone().for_each(|keys| stream.depths(keys));
+                keys.for_each(|keys| stream.data(keys));
             }
-        });
-        each(&mut |_, keys| stream.depths(keys));
-        each(&mut |_, keys| stream.data(keys));
+            Column::Records(_) => {
+                for part in Part::ALL {
+                    for (_, column, places) in lines.clone() {
+                        if let Column::Records(records) = column {
+                            stream.records(part, places.map(|place| records.record(place)));
+                        }
+                    }
+                }
+            }
+            Column::Lights(_) | Column::Depths(_) => return None,
+        }
         Some(stream.finish())
     }
 }

@@ -57,7 +57,7 @@ fn ray(layers: &Layers<'_>, x: u32, y: u32, records: &mut Vec<Record>) -> Ray {
     match layers.kept {
         Kept::Color(lights) => Ray::of_light(&lights[place]),
         Kept::Depths(depths) => Ray::of_depth(depths[place]),
-        Kept::Fragments(_) | Kept::Records(_) | Kept::Gone => {
+        Kept::Fragments(_) | Kept::Records(_) | Kept::Gone(_) => {
             records.clear();
             layers.pixel(x, y, records);
             let mut ray = Ray::default();

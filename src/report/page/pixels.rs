@@ -84,7 +84,7 @@ impl<'a> Blocks<'a> {
                 Kept::Fragments(_) => "fragments",
                 Kept::Records(_) => "records",
                 Kept::Color(_) => "color",
-                Kept::Depths(_) | Kept::Gone => "",
+                Kept::Depths(_) | Kept::Gone(_) => "",
             },
             data: match options.record().data {
                 Data::Primitive => "primitive",

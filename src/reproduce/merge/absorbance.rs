@@ -33,7 +33,7 @@ fn absorbances(drawn: &Rendering, distances: &Distances) -> Vec<[f64; 2]> {
             let (x, y) = middle(lists.width, lists.height);
             lists.pixel(x, y).iter().map(|record| (record.depth, record.rgba[3])).collect()
         }
-        Kept::Color(_) | Kept::Depths(_) | Kept::Gone => Vec::new(),
+        Kept::Color(_) | Kept::Depths(_) | Kept::Gone(_) => Vec::new(),
     };
     let mut through = 1.0;
     let step = |(depth, opacity): (u32, f64)| {

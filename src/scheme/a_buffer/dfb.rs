@@ -94,7 +94,7 @@ impl Scheme for DynamicFragmentBuffer {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        for record in self.range(mem, pixel).await {
+        for record in self.range::<_, Self>(mem, pixel).await {
             keys.push(mem.plain_load(self.records.at(record)).await);
         }
     }
@@ -123,12 +123,18 @@ impl DynamicFragmentBuffer {
     }
 
     /// The records of a pixel.
-    pub(in crate::scheme) async fn range<M: Memory>(&self, mem: &M, pixel: u32) -> Range<u64> {
+    #[inline(always)]
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    pub(in crate::scheme) async fn range<M: Memory, Caller>(
+        &self,
+        mem: &M,
+        pixel: u32,
+    ) -> Range<u64> {
         let length = mem.plain_load(self.length.at(pixel, 0)).await;
         if length == 0 {
             return 0..0;
         }
-        let (start, _) = self.ranges.start::<_, ()>(mem, pixel).await;
+        let (start, _) = self.ranges.start::<_, (Caller,)>(mem, pixel).await;
         let end = start + u64::from(length);
         let begin = end.saturating_sub(u64::from(MOST)).max(start);
         begin..end.min(self.records.count())

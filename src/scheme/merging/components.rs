@@ -116,20 +116,26 @@ pub fn with_tail<M: Mix>(mut all: Vec<Merged>, k: u32) -> Vec<Merged> {
 #[must_use]
 pub fn records<M: Mix>(all: &[Merged], distances: &Distances) -> Records {
     let mut records = Records::at(Scale(*distances));
-    all.iter().for_each(|merged| add::<M>(&mut records, merged, distances));
+    put_all::<M>(&mut records, all, distances);
     records
 }
 
-/// Add a record as it leaves a method, and count the fragments merged into it.
+/// Put a record, as it leaves a method, into one of the places made for it, and count the fragments merged into it.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "once for every record")]
-pub fn add<M: Mix>(records: &mut Records, merged: &Merged, distances: &Distances) {
+pub fn put<M: Mix>(records: &mut Records, place: usize, merged: &Merged, distances: &Distances) {
     let Merged { near, depth, sums } = *merged;
     match M::exact(sums) {
-        Some(word) => records.whole(Whole { key: key(depth, word), near }),
-        None => records.push(merged.record::<M>(distances)),
+        Some(word) => records.put(place, Whole { key: key(depth, word), near }),
+        None => records.put_record(place, merged.record::<M>(distances)),
     }
     records.merged += sums::weight(merged.sums).saturating_sub(1);
+}
+
+/// Put records after others, as they leave a method.
+pub fn put_all<M: Mix>(records: &mut Records, all: &[Merged], distances: &Distances) {
+    let places = records.spread(all.len())..;
+    places.zip(all).for_each(|(place, merged)| put::<M>(records, place, merged, distances));
 }
 
 /// Whether at most `most` of these slabs, in canonical order, lie apart from each other: then no more records than that

@@ -10,7 +10,7 @@
 
 use std::marker::PhantomData;
 
-use super::components::{Stored, add, components, with_tail};
+use super::components::{Stored, components, put_all, with_tail};
 use super::slab::{Slab, merge_sorted};
 use super::sums::{Integers, Logarithms, logarithms};
 use super::{Blending, merging};
@@ -130,24 +130,26 @@ impl<M: Merge> Scheme for DfbMerged<M> {
 
     async fn resolve<Mem: Memory>(&self, mem: &Mem, pixel: u32, out: &mut Records) {
         out.scale = Scale(self.distances);
-        let first = out.len();
+        let range = self.store.range::<_, Self>(mem, pixel).await;
         // Where the pool is too small, a range may begin behind its end: it is empty.
-        for record in self.store.range(&Inside::<_, Self>::new(mem), pixel).await {
+        let first = out.spread(range.end.saturating_sub(range.start) as usize);
+        let mut surfaces = !M::CLOSED;
+        for (place, record) in (first..).zip(range) {
             let key = mem.plain_load(self.store.records().at(record)).await;
             let near = mem.plain_load(self.near.at(record)).await;
-            out.whole(Whole { key, near });
+            out.put(place, Whole { key, near });
+            surfaces &= near >= depth_of(key);
         }
-        self.reduce(out, first);
+        self.reduce(out, first, surfaces);
     }
 }
 
 impl<M: Merge> DfbMerged<M> {
     /// Merge a pixel's fragments, which are the records from `first` on. Where all lie apart, each stays a record as long
-    /// as there is room: the last record is for all that have none. A surface overlaps nothing.
+    /// as there is room: the last record is for all that have none. `surfaces` overlap nothing.
     #[inline]
-    fn reduce(&self, out: &mut Records, first: usize) {
+    fn reduce(&self, out: &mut Records, first: usize, surfaces: bool) {
         let (most, places) = (self.most as usize, first..out.len());
-        let surfaces = !M::CLOSED && out.are_surfaces(places.clone());
         if surfaces && places.len() <= most {
             return;
         }
@@ -206,7 +208,7 @@ impl Merge for Overlapping {
     fn merge(&self, _: &[Stored], slabs: &[Stored], most: u32, out: &mut Records) {
         let all = components::<Integers>(slabs, &self.logarithms);
         let all = with_tail::<Integers>(all, most);
-        all.iter().for_each(|merged| add::<Integers>(out, merged, &self.distances));
+        put_all::<Integers>(out, &all, &self.distances);
     }
 }
 

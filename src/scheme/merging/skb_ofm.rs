@@ -29,7 +29,7 @@ pub mod forms;
 use std::future::Future;
 use std::marker::PhantomData;
 
-use super::components::{Merged, Stored, add, components, never_overflows, records, with_tail};
+use super::components::{Merged, Stored, components, never_overflows, put, records, with_tail};
 use super::dfb_merged::stored;
 use super::sums::{Integers, Logarithms, Mix, logarithms};
 use crate::fragment::{Fragment, key};
@@ -174,6 +174,7 @@ impl<K: Kind> Scheme for SkbOfm<K> {
         let count = mem.plain_load(self.count.at(pixel, 0)).await.min(self.k - 1);
         // Records, and then the tail.
         let tail = self.k - 1;
+        let first = out.spread(count as usize);
         let mut next = if count == 0 { tail } else { 0 };
         while next <= tail {
             let i = next;
@@ -182,15 +183,17 @@ impl<K: Kind> Scheme for SkbOfm<K> {
             if i == tail && last == 0 {
                 break;
             }
+            let place = if i == tail { out.spread(1) } else { first + i as usize };
             let near = mem.plain_load(self.near.at(pixel, i)).await;
             let depth = mem.plain_load(self.depth.at(pixel, i)).await;
             if let Some(word) = K::Mix::single(last) {
-                out.whole(Whole { key: key(depth, word), near });
+                out.put(place, Whole { key: key(depth, word), near });
                 continue;
             }
             let a = mem.plain_load(self.sums.at(pixel, 2 * i)).await;
             let b = mem.plain_load(self.sums.at(pixel, 2 * i + 1)).await;
-            add::<K::Mix>(out, &Merged { near, depth, sums: [a, b, last] }, &self.distances);
+            let merged = Merged { near, depth, sums: [a, b, last] };
+            put::<K::Mix>(out, place, &merged, &self.distances);
         }
     }
 }
