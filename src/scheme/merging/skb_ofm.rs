@@ -216,7 +216,7 @@ impl<K: Kind> SkbOfm<K> {
         if self.k == 1 || (near >= bound && depth > bound) {
             return Some(self.own(fragment));
         }
-        let mut count = mem.plain_load(self.count.at(pixel, 0)).await;
+        let count = mem.plain_load(self.count.at(pixel, 0)).await;
         let room = self.k - 1;
         // The farthest counts only where there is no room left, now or after this fragment.
         let fills = count + 1 >= room;
@@ -239,6 +239,20 @@ impl<K: Kind> SkbOfm<K> {
             }
             return None;
         }
+        mem.part(self.join(mem, fragment, count, bound)).await
+    }
+
+    /// Where a fragment may overlap others, or there is no room: the long way. Apart from the short one, which is
+    /// faster without its state.
+    async fn join<M: Memory>(
+        &self,
+        mem: &M,
+        fragment: Fragment,
+        mut count: u32,
+        bound: u32,
+    ) -> Option<Merged> {
+        let (pixel, room) = (fragment.pixel, self.k - 1);
+        let fills = count + 1 >= room;
         let own = self.own(fragment);
         let (mut new, mut joined) = (own, None);
         // The farthest record and its depth, and the depth of the next but one.
