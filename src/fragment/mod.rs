@@ -1,5 +1,6 @@
 //! The only types that cross from the rasterizer to the schemes, and their canonical order.
 
+mod merge_exchange;
 mod network;
 pub mod sort;
 

@@ -15,9 +15,8 @@ macro_rules! network {
         fn $name(v: &mut [u64; $n]) {
             $(
                 let (a, b) = (v[$i], v[$j]);
-                let swapped = b < a;
-                v[$i] = if swapped { b } else { a };
-                v[$j] = if swapped { a } else { b };
+                // No `if`: of that, the compiler may make a branch.
+                (v[$i], v[$j]) = (a.min(b), a.max(b));
             )*
         }
     };
@@ -86,10 +85,9 @@ fn halves(keys: &mut [u64]) {
     for key in keys {
         // Neither goes beyond its end, behind which lies nothing nearer; the remainder only spares the check.
         let (a, b) = (parts[0][i % 17], parts[1][j % 17]);
-        let first = a <= b;
-        *key = if first { a } else { b };
-        i += usize::from(first);
-        j += usize::from(!first);
+        *key = a.min(b);
+        i += usize::from(a <= b);
+        j += usize::from(a > b);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sorting a pixel's keys into canonical order, front to back. Equal keys are identical fragments, so any correct sort
 //! gives the same list.
 
-use super::network;
+use super::{merge_exchange, network};
 
 /// Up to this length insertion sort is faster.
 const INSERTION: usize = 20;
@@ -15,8 +15,8 @@ const GAPS: [usize; 8] = [1, 4, 10, 23, 57, 132, 301, 701];
 /// Which sort.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Sort {
-    /// The fastest that we have (`benches/sort.rs`): for keys, networks up to 32; for other entries, insertion sort up
-    /// to 20; then the standard library's.
+    /// The fastest that we have (`benches/sort.rs`): for keys, networks up to 32, or, of many lists, eight side by side
+    /// from 17 to 128; for other entries, insertion sort up to 20; then the standard library's.
     #[default]
     Fastest,
     /// As published: insertion sort up to 16, then shell sort.
@@ -31,6 +31,20 @@ impl Sort {
             Self::Fastest if keys.len() <= network::MOST => network::sort(keys),
             Self::Fastest => keys.sort_unstable(),
             Self::Published => published(keys, || ()),
+        }
+    }
+
+    /// Sort lists of keys that lie one after another, each ascending; `ends` says where they end.
+    pub fn lists(self, keys: &mut [u64], ends: &[u32]) {
+        match self {
+            Self::Fastest => merge_exchange::sort(keys, ends),
+            Self::Published => {
+                let mut begin = 0;
+                for &end in ends {
+                    published(&mut keys[begin..end as usize], || ());
+                    begin = end as usize;
+                }
+            }
         }
     }
 
@@ -115,6 +129,12 @@ mod tests {
                 sorted.copy_from_slice(&keys);
                 sort.keys(&mut sorted);
                 assert_eq!(sorted, expected, "{sort:?}, keys");
+                let (first, second) = keys.split_at(keys.len() / 3);
+                let mut parts = [first, second].map(<[u64]>::to_vec);
+                parts.iter_mut().for_each(|part| part.sort());
+                sorted.copy_from_slice(&keys);
+                sort.lists(&mut sorted, &[first.len() as u32, keys.len() as u32]);
+                assert_eq!(sorted, parts.concat(), "{sort:?}, lists");
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use std::sync::LazyLock;
 
-use pulp::Arch;
+use pulp::{Arch, WithSimd};
 
 /// The name of the environment variable.
 pub const VARIABLE: &str = "FRAGLOOM_LANES";
@@ -20,5 +20,11 @@ static ARCH: LazyLock<Arch> = LazyLock::new(|| {
 #[allow(clippy::inline_always, reason = "what is not inlined is not compiled for these vectors")]
 #[inline(always)]
 pub fn wide<R>(work: impl FnOnce() -> R) -> R {
+    ARCH.dispatch(work)
+}
+
+/// As [`wide`], for work that names its vectors, where the compiler would not find them.
+#[inline]
+pub fn explicit<W: WithSimd>(work: W) -> W::Output {
     ARCH.dispatch(work)
 }

@@ -108,7 +108,7 @@ impl<'a> Finisher<'a> {
         let Self { job, tile, output, ends, .. } = self;
         let (grid, front) = (&job.front.grid, job.front);
         let colors = &mut output.colors;
-        each(&ends.entries, |places| job.sort.keys(&mut keys[places]));
+        job.sort.lists(&mut keys, &ends.entries);
         let data = |_, place: usize| data_of(keys[place]);
         let slow = (|_: Range<usize>| false, |_: Range<usize>| Ray::default());
         match job.record.data {
@@ -128,11 +128,8 @@ impl<'a> Finisher<'a> {
     /// gives the same.
     fn records(&mut self, mut records: Records) {
         let Self { job, output, ends, .. } = self;
-        let sort = |keys: &mut [u64]| job.sort.keys(keys);
-        if job.picture_only {
-            each(&ends.entries, |places| records.arrange_colors(places, sort));
-        } else {
-            each(&ends.entries, |places| records.arrange(places, sort));
+        if !(job.picture_only && records.arrange_colors(&ends.entries, job.sort)) {
+            each(&ends.entries, |places| records.arrange(places, |keys| job.sort.keys(keys)));
         }
         let data = |_, place: usize| data_of(records.key(place));
         let merged = |places: Range<usize>| !records.are_single(places);
