@@ -58,9 +58,15 @@ impl Frame {
         let mut pixels = vec![[0u8; 4]; grid.width as usize * grid.height as usize];
         let rows = pixels.par_chunks_mut((grid.tile * grid.width) as usize);
         rows.zip(self.tiles.par_chunks(grid.columns() as usize)).for_each(|(pixels, tiles)| {
-            for (i, color) in pixels.iter_mut().enumerate() {
-                let (tile, local) = place(grid, i);
-                *color = tiles[tile].colors[local];
+            let lines = pixels.chunks_mut(grid.width as usize);
+            for (y, line) in (0..).zip(lines) {
+                // The pixels of a line in a block lie side by side in storage.
+                let blocks = line.chunks_mut(BLOCK as usize);
+                for (x, part) in (0..).step_by(BLOCK as usize).zip(blocks) {
+                    let local = grid.local_pixel(x, y) as usize;
+                    let colors = &tiles[(x / grid.tile) as usize].colors;
+                    part.copy_from_slice(&colors[local..local + part.len()]);
+                }
             }
         });
         Image { width: grid.width, height: grid.height, pixels }
