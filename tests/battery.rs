@@ -470,6 +470,12 @@ fn what_does_not_fit_is_refused_before_it_is_drawn() {
         assert!(refused.contains(&format!("{kept} bytes for kept fragments")), "{refused}");
         assert_eq!(with_limit(method, None, 4 * kept), Ok(()));
     }
+    // A record of one fragment is 12 bytes by tile, and 56 in a list. Where pixels hold a colour, nothing is kept.
+    let records = 40 * 64 * 64 * (12 + 56);
+    let refused =
+        with_limit("dfb+ofm", Some(40), records - 1).map_err(needs).expect_err("too little");
+    assert!(refused.contains(&format!("{records} bytes for kept fragments")), "{refused}");
+    assert_eq!(with_limit("wboit", None, kept), Ok(()));
     let refused =
         with_limit("kplus-array", Some(8), 300_000).map_err(needs).expect_err("too little");
     assert!(refused.contains("for kept fragments"), "{refused}");

@@ -7,9 +7,9 @@ use crate::exec::Job;
 use crate::memory::Layout;
 use crate::raster::Grid;
 use crate::resolve::Kept;
-use crate::scheme::Record;
 use crate::scheme::bound::Bound;
 use crate::scheme::merging::slab::Slab;
+use crate::scheme::{Depth, HeldKind, Light, Record};
 
 /// What executors keep per pixel in addition to the method's own storage, in bytes: colours, counts and offsets.
 const HOST_BYTES: u64 = 32;
@@ -17,13 +17,27 @@ const HOST_BYTES: u64 = 32;
 /// A pixel's bytes in 16 bits of linear light.
 const LINEAR_BYTES: u64 = 8;
 
-/// A kept fragment's bytes: by tile, and then row by row if lists are wanted.
-fn kept_bytes(wanted: Wanted) -> u64 {
-    match wanted {
-        Wanted::Lists => 16,
-        Wanted::Hash => 8,
+/// The bytes of a kept fragment, or of a record of one: by tile, and then row by row if lists are wanted.
+fn kept_bytes(wanted: Wanted, holds: HeldKind) -> u64 {
+    let [by_tile, joined] = match holds {
+        HeldKind::Fragments => [size_of::<u64>(); 2],
+        HeldKind::Records => [size_of::<u64>() + size_of::<u32>(), size_of::<Record>()],
+        HeldKind::Color | HeldKind::Depth => [0; 2],
+    };
+    (match wanted {
+        Wanted::Lists => by_tile + joined,
+        Wanted::Hash => by_tile,
         Wanted::Picture => 0,
-    }
+    }) as u64
+}
+
+/// The bytes of a pixel's one value, by tile and row by row, where pixels hold no lists.
+fn value_bytes(holds: HeldKind) -> u64 {
+    (match holds {
+        HeldKind::Fragments | HeldKind::Records => 0,
+        HeldKind::Color => 2 * size_of::<Light>(),
+        HeldKind::Depth => 2 * size_of::<Depth>(),
+    }) as u64
 }
 
 /// Refuse storage that would not fit.
@@ -43,7 +57,8 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
         _ => grid.storage_pixels(),
     };
     let linear = if options.needs_light() { LINEAR_BYTES } else { 0 };
-    let own = (HOST_BYTES + linear) * grid.storage_pixels() as u64;
+    let each = HOST_BYTES + linear + value_bytes(job.holds);
+    let own = each * grid.storage_pixels() as u64;
     let bytes = layout.bytes(pixels as u64).saturating_add(own);
     refuse_above(options, bytes, &format!("storage on '{}'", options.exec.name()))
 }
@@ -51,7 +66,7 @@ pub(super) fn storage(options: &Options, job: &Job<'_>, layout: &Layout) -> Resu
 /// Refuse lists that would not fit: at most k fragments per pixel, and no more than are generated. Fragments are
 /// counted only if the primitives' bounding boxes do not already show that there is room.
 pub(super) fn kept(options: &Options, job: &Job<'_>, wanted: Wanted) -> Result<()> {
-    let each = kept_bytes(wanted);
+    let each = kept_bytes(wanted, job.holds);
     let grid = &job.front.grid;
     let pixels = u64::from(grid.width) * u64::from(grid.height);
     let by_k = match job.nearest {

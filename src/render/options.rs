@@ -99,7 +99,7 @@ pub struct Options {
     /// What is wanted of the fragments. Whatever an effect needs is at hand in any case.
     pub wanted: Wanted,
     /// Bytes above which a run is refused before they are allocated: the method's storage with what executors keep of
-    /// every pixel, and the kept fragments (16 bytes each).
+    /// every pixel, and the kept fragments (16 bytes each) or merged records (68).
     pub max_memory: u64,
 }
 
