@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::network;
+use super::{network, places};
 use crate::num::lanes::explicit;
 
 /// How many lists.
@@ -28,17 +28,13 @@ const BEHIND: i64 = i64::MAX;
 
 /// Sort lists that lie one after another, each ascending; `ends` says where they end.
 pub(super) fn sort(keys: &mut [u64], ends: &[u32]) {
-    let places = |(i, &end): (usize, &u32)| {
-        let start = if i == 0 { 0 } else { ends[i - 1] };
-        start as usize..end as usize
-    };
     let mut middling = Vec::new();
-    for places in ends.iter().enumerate().map(places) {
-        match places.len() {
+    for list in places(ends) {
+        match list.len() {
             0 | 1 => {}
-            2..=SHORT => network::sort(&mut keys[places]),
-            _ if places.len() <= MOST => middling.push(places),
-            _ => keys[places].sort_unstable(),
+            2..=SHORT => network::sort(&mut keys[list]),
+            _ if list.len() <= MOST => middling.push(list),
+            _ => keys[list].sort_unstable(),
         }
     }
     explicit(Lists { keys, all: by_length(&middling) });

@@ -5,6 +5,7 @@ mod network;
 pub mod sort;
 
 use std::fmt;
+use std::ops::Range;
 
 /// One sample of one primitive at one pixel.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -96,4 +97,15 @@ pub enum Data {
     Primitive,
     /// 0: depth is all that is stored.
     Nothing,
+}
+
+/// The places of lists that lie one after another, by where each ends.
+#[inline]
+pub fn places(ends: &[u32]) -> impl Iterator<Item = Range<usize>> + '_ {
+    let mut begin = 0;
+    ends.iter().map(move |&end| {
+        let list = begin..end as usize;
+        begin = list.end;
+        list
+    })
 }

@@ -1,7 +1,7 @@
 //! Sorting a pixel's keys into canonical order, front to back. Equal keys are identical fragments, so any correct sort
 //! gives the same list.
 
-use super::{merge_exchange, network};
+use super::{merge_exchange, network, places};
 
 /// Up to this length insertion sort is faster.
 const INSERTION: usize = 20;
@@ -38,13 +38,7 @@ impl Sort {
     pub fn lists(self, keys: &mut [u64], ends: &[u32]) {
         match self {
             Self::Fastest => merge_exchange::sort(keys, ends),
-            Self::Published => {
-                let mut begin = 0;
-                for &end in ends {
-                    published(&mut keys[begin..end as usize], || ());
-                    begin = end as usize;
-                }
-            }
+            Self::Published => places(ends).for_each(|list| published(&mut keys[list], || ())),
         }
     }
 

@@ -6,7 +6,7 @@ use super::{Column, PixelCounts, TileOutput};
 use crate::exec::Job;
 use crate::exec::account::Tally;
 use crate::exec::drive::{Ends, Pipeline};
-use crate::fragment::{Data, data_of, depth_of};
+use crate::fragment::{Data, data_of, depth_of, places};
 use crate::num::lanes::wide;
 use crate::num::ray::Ray;
 use crate::num::rays::{RAYS, Rays};
@@ -129,7 +129,7 @@ impl<'a> Finisher<'a> {
     fn records(&mut self, mut records: Records) {
         let Self { job, output, ends, .. } = self;
         if !(job.picture_only && records.arrange_colors(&ends.entries, job.sort)) {
-            each(&ends.entries, |places| records.arrange(places, |keys| job.sort.keys(keys)));
+            places(&ends.entries).for_each(|own| records.arrange(own, |keys| job.sort.keys(keys)));
         }
         let data = |_, place: usize| data_of(records.key(place));
         let merged = |places: Range<usize>| !records.are_single(places);
@@ -193,16 +193,6 @@ impl<'a> Finisher<'a> {
             output.column = Column::default();
         }
         output
-    }
-}
-
-/// The places of every pixel's entries.
-#[inline]
-fn each(ends: &[u32], mut visit: impl FnMut(Range<usize>)) {
-    let mut begin = 0;
-    for &end in ends {
-        visit(begin..end as usize);
-        begin = end as usize;
     }
 }
 
