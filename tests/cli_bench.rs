@@ -44,8 +44,9 @@ fn cells(line: &str) -> Vec<String> {
 fn a_load_is_that_of_hash_tables() {
     let dir = Dir::new();
     let looked = |load: &str| {
-        let line =
-            format!("bench cubes --size 64x64 -m ha64 --exec threads --repeats 1 --json {load}");
+        let line = format!(
+            "bench cubes --size 64x64 -m ha64 --exec threads --threads 1 --repeats 1 --json {load}"
+        );
         let document = document(&dir.run(&line));
         number(&list(&document, "rows")[0], "atomics_per_fragment")
     };
