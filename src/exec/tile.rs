@@ -236,7 +236,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
                 tile.ahead = self.layout.ahead();
             }
             let count = (tile.pool.end - tile.pool.start) as u32;
-            tile.ahead.iter().for_each(|ahead| ahead.set(tile.pool.start as u32, count));
+            tile.ahead.iter().for_each(|ahead| ahead.spread(tile.pool.start as u32, count));
         }
         if self.job.contract.program.repeats {
             tile.collected.reset(self.job.holds, pixels);

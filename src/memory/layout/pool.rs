@@ -41,13 +41,20 @@ impl Pool {
 #[derive(Debug)]
 pub struct Ahead {
     pool: Pool,
-    next: Cell<u32>,
-    left: Cell<u32>,
+    first: Cell<u32>,
+    count: Cell<u32>,
+    /// How many of them stand in whole pages, whose indices are turned.
+    turned: Cell<u32>,
+    taken: Cell<u32>,
 }
+
+/// Indices of a page: so many keys of 8 bytes are as far apart as words that share a place in a first-level cache.
+const PAGE: u32 = 512;
 
 impl Ahead {
     pub(super) fn none(pool: Pool) -> Self {
-        Self { pool, next: Cell::new(0), left: Cell::new(0) }
+        let [first, count, turned, taken] = [0; 4].map(Cell::new);
+        Self { pool, first, count, turned, taken }
     }
 
     /// The pool that they are of.
@@ -59,14 +66,79 @@ impl Ahead {
     /// Hand out these from now on, instead of those that are left.
     #[inline]
     pub fn set(&self, first: u32, count: u32) {
-        self.next.set(first);
-        self.left.set(count);
+        self.first.set(first);
+        self.count.set(count);
+        self.turned.set(0);
+        self.taken.set(0);
+    }
+
+    /// Hand out these from now on, in an order that spreads what was stored as many steps apart as a tile has pixels:
+    /// the nodes of one list on a scene of layers. In their own order, the caches would have one place for them.
+    pub fn spread(&self, first: u32, count: u32) {
+        self.set(first, count);
+        self.turned.set(count - count % PAGE);
     }
 
     /// The next one, if there is one.
     #[inline(always)]
     pub(in crate::memory) fn next(&self) -> Option<u32> {
-        self.left.set(self.left.get().checked_sub(1)?);
-        Some(self.next.replace(self.next.get().wrapping_add(1)))
+        let i = self.taken.get();
+        if i >= self.count.get() {
+            return None;
+        }
+        self.taken.set(i + 1);
+        let place = if i < self.turned.get() { turn(i) } else { i };
+        Some(self.first.get().wrapping_add(place))
+    }
+}
+
+/// Each page begins 16 indices further into itself than the one before it, and 16 more than the one eight before it.
+#[inline(always)]
+fn turn(i: u32) -> u32 {
+    let page = i / PAGE;
+    page * PAGE + (i + 16 * (page + page / 8)) % PAGE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taken(ahead: &Ahead) -> Vec<u32> {
+        std::iter::from_fn(|| ahead.next()).collect()
+    }
+
+    fn ahead() -> Ahead {
+        let mut layout = super::super::Layout::default();
+        let _ = layout.pool();
+        layout.ahead().pop().expect("a pool")
+    }
+
+    /// Each index is handed out once, whatever the range.
+    #[test]
+    fn spread_indices_are_those_of_the_range() {
+        let ahead = ahead();
+        for (first, count) in [(0, 0), (7, 1), (100, 511), (0, 512), (3, 513), (9, 70_000)] {
+            ahead.spread(first, count);
+            let mut all = taken(&ahead);
+            all.sort_unstable();
+            assert_eq!(all, (first..first + count).collect::<Vec<_>>());
+            ahead.set(first, count);
+            assert_eq!(taken(&ahead), (first..first + count).collect::<Vec<_>>());
+        }
+    }
+
+    /// Keys of 8 bytes, 4,096 stores apart, are in different lines of a first-level cache of 4 KiB a way.
+    #[test]
+    fn what_is_as_far_apart_as_a_tile_has_pixels_shares_no_place() {
+        let ahead = ahead();
+        ahead.spread(0, 4_096 * 16);
+        let all = taken(&ahead);
+        for pixel in [0, 1, 1_000, 4_095] {
+            let mut lines: Vec<u32> =
+                (0..16).map(|layer| all[pixel + layer * 4_096] * 8 % 4_096 / 64).collect();
+            lines.sort_unstable();
+            lines.dedup();
+            assert_eq!(lines.len(), 16, "{lines:?}");
+        }
     }
 }
