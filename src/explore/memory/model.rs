@@ -131,7 +131,10 @@ pub(in crate::explore) enum Initial {
 
 /// The words of one state under a memory model. Operations are on words that exist: what becomes of others is the
 /// machine's.
-pub(in crate::explore) trait Model {
+pub(in crate::explore) trait Model: Send + Sync {
+    /// The same words, to be worked on apart from these.
+    fn copy(&self) -> Box<dyn Model>;
+
     /// Take up a state.
     fn load(&mut self, encoded: &[u32]);
 
@@ -185,6 +188,12 @@ pub(in crate::explore) trait Model {
 
     /// What a word holds once all invocations are ordered before the reader; `None` if it was never written.
     fn settled(&self, cell: u32) -> Option<u64>;
+}
+
+impl Clone for Box<dyn Model> {
+    fn clone(&self) -> Self {
+        self.copy()
+    }
 }
 
 /// Which versions of its word an operation read and wrote.

@@ -82,6 +82,7 @@ fn kind(writes: bool, plain: bool) -> usize {
 
 /// The words of one state. `profile` to `invocations` are the same in all states; `messages`, `threads` and
 /// `accesses` are the state.
+#[derive(Clone)]
 pub(super) struct Relaxed {
     profile: Profile,
     /// The values that an unwritten word may turn out to have.
@@ -387,6 +388,10 @@ impl Relaxed {
 }
 
 impl Model for Relaxed {
+    fn copy(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
     fn load(&mut self, encoded: &[u32]) {
         canonical::decode(self, encoded);
         self.touched = Touched::default();

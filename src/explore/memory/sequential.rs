@@ -6,6 +6,7 @@ use crate::memory::asked::Action;
 
 /// The words of one state: each cell's value in one or two u32, then a bit per cell, set while it has been neither
 /// written nor read.
+#[derive(Clone)]
 pub(super) struct Sequential {
     words: Vec<u32>,
     /// Where a cell's value begins, and its width.
@@ -60,6 +61,10 @@ impl Sequential {
 }
 
 impl Model for Sequential {
+    fn copy(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
     #[inline]
     fn load(&mut self, encoded: &[u32]) {
         self.words.copy_from_slice(encoded);

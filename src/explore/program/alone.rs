@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::forest::{Forest, NodeId, Step};
+use super::shared::Shared;
 use crate::explore::memory::model::cut;
 use crate::memory::Numbering;
 use crate::memory::asked::Action;
@@ -30,9 +31,9 @@ pub(super) struct Alone {
 impl Alone {
     /// Run tasks on words that have the values of `below` where none was written. `None` if the order may matter: two
     /// of them meet, or one reads what nobody wrote; or if one leaves its words, panics or waits: that is for the
-    /// search to see.
+    /// search to see; or if it was missed in the forest.
     pub(super) fn run(
-        forest: &mut Forest<'_>,
+        forest: &mut Shared<Forest<'_>>,
         tasks: &[Task],
         below: &dyn Fn(u32) -> Option<u64>,
         numbering: &Numbering,
@@ -65,6 +66,9 @@ impl Alone {
                     }
                 };
                 node = forest.child(node, result);
+                if forest.has_missed() {
+                    return None;
+                }
             }
         }
         Some(alone)

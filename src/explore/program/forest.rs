@@ -49,6 +49,7 @@ mod claims;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::case::{Answer, Case, Next};
+use super::shared::Shared;
 use crate::memory::asked::{Action, Here, OpenBlock, Request, Site};
 use crate::memory::{Address, Numbering, Update};
 use crate::scheme::task::{Ended, Task};
@@ -144,6 +145,22 @@ pub(in crate::explore) struct Forest<'a> {
     most: usize,
 }
 
+/// A forest in the hands of machines: it grows where one asks for what is not there yet.
+impl Shared<Forest<'_>> {
+    /// The node at which an invocation of this task begins. Any, if it is missed.
+    pub(in crate::explore) fn root(&mut self, task: Task) -> NodeId {
+        let known = self.known_root(task);
+        known.or_else(|| self.grow(|forest| forest.root(task))).unwrap_or(0)
+    }
+
+    /// The node after a node's step gave `answer`. Any, if it is missed.
+    #[inline]
+    pub(in crate::explore) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
+        let known = self.known_child(node, answer);
+        known.or_else(|| self.grow(|forest| forest.new_child(node, answer))).unwrap_or(node)
+    }
+}
+
 impl<'a> Forest<'a> {
     /// No trees yet. With `lanes`, leaving a block is a step.
     pub(in crate::explore) fn new(case: &'a Case, lanes: bool) -> Self {
@@ -171,14 +188,19 @@ impl<'a> Forest<'a> {
 
     /// The node at which an invocation of this task begins. Equal tasks have one root, so that a search may put their
     /// invocations in order.
-    pub(in crate::explore) fn root(&mut self, task: Task) -> NodeId {
-        if let Some(known) = self.tasks.iter().position(|&t| t == task) {
-            return self.roots[known];
-        }
-        self.tasks.push(task);
-        let root = self.grow(None, self.tasks.len() as u32 - 1);
-        self.roots.push(root);
-        root
+    fn root(&mut self, task: Task) -> NodeId {
+        self.known_root(task).unwrap_or_else(|| {
+            self.tasks.push(task);
+            let root = self.grow(None, self.tasks.len() as u32 - 1);
+            self.roots.push(root);
+            root
+        })
+    }
+
+    /// The same, if there is one already.
+    fn known_root(&self, task: Task) -> Option<NodeId> {
+        let known = self.tasks.iter().position(|&t| t == task)?;
+        Some(self.roots[known])
     }
 
     /// A node by its number.
@@ -217,19 +239,20 @@ impl<'a> Forest<'a> {
         &self.bare_waits
     }
 
-    /// The node after a node's step gave `answer`: looked up, or made by running an invocation (2).
+    /// The node after a node's step gave `answer`, if there is one already (2).
     #[inline]
-    pub(in crate::explore) fn child(&mut self, node: NodeId, answer: u64) -> NodeId {
+    fn known_child(&self, node: NodeId, answer: u64) -> Option<NodeId> {
         let children = &self.nodes[node as usize].children;
-        match children.iter().find(|c| c.0 == answer) {
-            Some(&(_, child)) => child,
-            None => {
-                let task = self.node(node).task;
-                let child = self.grow(Some((node, answer)), task);
-                self.nodes[node as usize].children.push((answer, child));
-                child
-            }
-        }
+        children.iter().find(|c| c.0 == answer).map(|&(_, child)| child)
+    }
+
+    /// Make the node after a node's step gave `answer`, by running an invocation (2).
+    #[cold]
+    fn new_child(&mut self, node: NodeId, answer: u64) -> NodeId {
+        let task = self.node(node).task;
+        let child = self.grow(Some((node, answer)), task);
+        self.nodes[node as usize].children.push((answer, child));
+        child
     }
 
     /// Whether an answer to a node's step leads back, to try again.

@@ -58,6 +58,7 @@ use super::forest::{Fault, Forest, NodeId, Step};
 use super::guard::guarded;
 use super::litmus::{Litmus, Stage};
 use super::schedule::Move;
+use super::shared::Shared;
 use crate::explore::memory;
 use crate::explore::memory::model::{self, Initial, MemoryModel, Model, Race};
 use crate::memory::asked::{Action, OpenBlock};
@@ -84,12 +85,14 @@ const HELPER_RESULTS: usize = 4;
 /// Rounds after which a program that repeats is given up. A round has 6 bits in [`At::pack`].
 const MOST_ROUNDS: u32 = 60;
 
-/// An instance, ready to run.
+/// An instance, ready to run. A clone goes its own way, on the same tables: while there are several machines, these do
+/// not grow, and [`Machine::take_missed`] says so.
+#[derive(Clone)]
 pub(in crate::explore) struct Machine<'a> {
     pub(in crate::explore) case: &'a Case,
     pub(in crate::explore) litmus: &'a Litmus,
     pub(in crate::explore) contract: &'a Contract,
-    pub(in crate::explore) forest: Forest<'a>,
+    pub(in crate::explore) forest: Shared<Forest<'a>>,
     /// The stages that are explored.
     pub(in crate::explore) stages: Vec<Stage>,
     /// Invocations of every stage.
@@ -111,7 +114,7 @@ pub(in crate::explore) struct Machine<'a> {
     /// How far the loaded state has come.
     at: At,
     /// Results so far, all that were met. A state has an index.
-    results: Vec<Final>,
+    results: Shared<Vec<Final>>,
     /// Words that only grow while fragments are stored; empty where there are none.
     growing: Vec<bool>,
     /// By stage: it stores fragments, and does nothing else.
@@ -197,7 +200,7 @@ impl<'a> Machine<'a> {
         let is = |parts: Option<&Vec<Part>>, part| parts.is_some_and(|parts| *parts == [part]);
         let resolves = is(course.stages().last(), Part::Resolve);
         let mut clears = is(course.stages().first(), Part::Clear);
-        let mut forest = Forest::new(case, conditions.warp.is_some());
+        let mut forest = Shared::new(Forest::new(case, conditions.warp.is_some()));
         let (mut cleared, mut cut_off) = (BTreeMap::new(), None);
         let mut before = 0;
         if leaves_out
@@ -239,7 +242,7 @@ impl<'a> Machine<'a> {
             stages,
             head: width + usize::from(progress) + 1,
             at: At::default(),
-            results: vec![Final { pixels: nothing, outcomes: Vec::new() }],
+            results: Shared::new(vec![Final { pixels: nothing, outcomes: Vec::new() }]),
             growing: growing(instance.layout(), numbering),
             storing,
             full: false,
@@ -292,9 +295,22 @@ impl<'a> Machine<'a> {
         !clears && self.resolves != Some(self.at.stage)
     }
 
+    /// How invocations are run.
+    pub(in crate::explore) fn conditions(&self) -> Conditions {
+        self.conditions
+    }
+
     /// Words have one value at a time.
     pub(in crate::explore) fn is_sequential(&self) -> bool {
         self.conditions.memory == MemoryModel::Sequential
+    }
+
+    /// Whether something was not in a table that others have, too. Nothing then counts that was done since a state was
+    /// loaded.
+    #[inline]
+    pub(in crate::explore) fn take_missed(&mut self) -> bool {
+        let (forest, results) = (self.forest.take_missed(), self.results.take_missed());
+        forest | results
     }
 
     /// Some operation was left out for want of room.

@@ -14,6 +14,7 @@ pub mod instances;
 pub mod litmus;
 pub(super) mod machine;
 pub mod schedule;
+mod shared;
 pub(super) mod subject;
 pub mod values;
 

@@ -2,22 +2,28 @@
 //! shortest one. There is no partial-order reduction: it conflicts with hashing, with invariants in every state, and
 //! with lassos. Under sequential consistency, invocations with equal tasks are put in order, since they are
 //! indistinguishable.
+//!
+//! Where many states wait, and threads have nothing else to do, a block of them is expanded by all. Each works with a
+//! copy of the machine, on tables that do not grow meanwhile: a state that needs more than is there is left. Then one
+//! thread goes through the block in its order, expands what was left, and gives each new state its number. So numbers,
+//! and all that is found, are those of one thread.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
+use rayon::prelude::*;
+
+use super::expand::{Expanded, Expander, Findings, Share, Successors, canonical, endless};
 use super::explored::{Explored, Found, Limits, Stopped};
 use super::graph::{Graph, executions, is_cyclic};
 use super::property::{self, Property};
-use super::space::{Space, StateId};
+use super::space::{Offered, Space, StateId};
 use crate::explore::memory::model::MemoryModel;
 use crate::explore::program::case::Case;
-use crate::explore::program::forest::{NodeId, Step};
-use crate::explore::program::litmus::Stage;
-use crate::explore::program::machine::{Conditions, Final, Machine, Moved, Stop};
+use crate::explore::program::machine::{Conditions, Machine};
 use crate::explore::program::schedule::{Move, Schedule};
+use crate::scheme::Held;
 use crate::scheme::Keeps;
-use crate::scheme::task::Task;
-use crate::scheme::{Held, Moment};
 
 /// Explore one instance.
 pub(in crate::explore) fn explore(
@@ -26,22 +32,15 @@ pub(in crate::explore) fn explore(
     limits: &Limits<'_>,
 ) -> Explored {
     let machine = Machine::new(case, conditions, false);
-    let groups = match conditions {
-        Conditions { memory: MemoryModel::Sequential, warp: None } => groups(&machine),
-        _ => Vec::new(),
-    };
-    Search::new(machine, groups).run(limits)
+    Search::new(Expander::new(machine).symmetric()).run(limits)
 }
 
 /// Explore the orders in which invocations of a stage may run one after another: one that has begun goes on until it
 /// has ended, or waits from its beginning. It is the same search with fewer moves.
 pub(in crate::explore) fn orders(case: &Case, limits: &Limits<'_>) -> Explored {
     let conditions = Conditions { memory: MemoryModel::Sequential, warp: None };
-    let machine = Machine::new(case, conditions, false);
-    let groups = groups(&machine);
-    let mut search = Search::new(machine, groups);
-    search.one_by_one = true;
-    search.run(limits)
+    let expander = Expander::new(Machine::new(case, conditions, false)).symmetric();
+    Search::new(Expander { one_by_one: true, ..expander }).run(limits)
 }
 
 /// The graph with a bit in each state for every invocation that has moved, and the machine to read its states with.
@@ -50,97 +49,68 @@ pub(in crate::explore) fn graph<'a>(
     conditions: Conditions,
     limits: &Limits<'_>,
 ) -> Option<(Graph, Space, Machine<'a>)> {
-    let machine = Machine::new(case, conditions, true);
-    let mut search = Search::new(machine, Vec::new());
-    search.mark_movers = true;
+    let expander = Expander::new(Machine::new(case, conditions, true));
+    let mut search = Search::new(Expander { mark_movers: true, ..expander });
     search.expand_all(limits);
-    search.stopped.is_none().then_some((search.graph, search.space, search.machine))
+    let complete = search.findings.stopped.is_none();
+    complete.then_some((search.graph, search.space, search.expander.machine))
 }
 
-/// An invocation that was cut off at a node.
-fn endless(machine: &Machine<'_>, node: NodeId) -> Stopped {
-    let site = machine.forest.node(node).site.map(ToString::to_string).unwrap_or_default();
-    Stopped::Endless { site, operations: machine.litmus.most_operations() }
+/// How many states are expanded by several threads at once.
+#[derive(Clone, Copy)]
+struct Sharing {
+    /// States of a block: as many must wait. What follows from them should stay in the caches.
+    block: usize,
+    /// States that a thread takes at once.
+    chunk: usize,
+    /// Even where all threads have something else to do.
+    always: bool,
 }
 
-/// Runs of invocations with equal tasks; helpers separate.
-fn groups(machine: &Machine<'_>) -> Vec<Vec<std::ops::Range<usize>>> {
-    machine.stages.iter().map(equals).collect()
-}
+/// More than follow from a state, as a rule: near the limit, states are expanded one by one.
+const MOST_SUCCESSORS: usize = 1 << 7;
 
-/// The same for one stage.
-fn equals(stage: &Stage) -> Vec<std::ops::Range<usize>> {
-    let tasks = &stage.tasks;
-    let same = |a: usize, b: usize| {
-        tasks[a] == tasks[b] && stage.is_helper(a) == stage.is_helper(b) && tasks[a] != Task::Idle
-    };
-    let mut groups = Vec::new();
-    let mut begin = 0;
-    for end in 1..=tasks.len() {
-        if end == tasks.len() || !same(begin, end) {
-            if end - begin > 1 {
-                groups.push(begin..end);
-            }
-            begin = end;
-        }
+impl Sharing {
+    /// Blocks that are worth it: measured, on two cores.
+    fn new() -> Self {
+        Self { block: rayon::current_num_threads() << 10, chunk: 1 << 6, always: false }
     }
-    groups
-}
 
-/// Put equal invocations in the order of their nodes. `who` follows: it holds the invocation in each place.
-fn canonical(nodes: &mut [NodeId], groups: &[std::ops::Range<usize>], who: &mut [u8]) {
-    for group in groups {
-        for i in group.start + 1..group.end {
-            let mut j = i;
-            while j > group.start && nodes[j - 1] > nodes[j] {
-                nodes.swap(j - 1, j);
-                who.swap(j - 1, j);
-                j -= 1;
-            }
-        }
+    /// Whether to share a block now. Instances that nobody explores yet come first.
+    fn pays(self, waiting: usize) -> bool {
+        let others = || rayon_core::current_thread_has_pending_tasks() == Some(true);
+        let free = || rayon::current_num_threads() > 1 && !others();
+        waiting >= self.block && (self.always || free())
     }
 }
 
 struct Search<'a> {
-    machine: Machine<'a>,
-    /// By stage.
-    groups: Vec<Vec<std::ops::Range<usize>>>,
-    mark_movers: bool,
-    /// One invocation after another.
-    one_by_one: bool,
+    expander: Expander<'a>,
+    sharing: Sharing,
     space: Space,
     graph: Graph,
-    finals: Vec<StateId>,
-    violations: BTreeMap<Property, (StateId, Option<Move>, String)>,
-    /// What ended the search early, or left something out.
-    stopped: Option<Stopped>,
+    findings: Findings,
+    /// Some operation was left out for want of room.
+    full: bool,
 }
 
 impl<'a> Search<'a> {
-    fn new(machine: Machine<'a>, groups: Vec<Vec<std::ops::Range<usize>>>) -> Self {
+    fn new(expander: Expander<'a>) -> Self {
         Self {
-            machine,
-            groups,
-            mark_movers: false,
-            one_by_one: false,
+            expander,
+            sharing: Sharing::new(),
             space: Space::new(),
             graph: Graph::default(),
-            finals: Vec::new(),
-            violations: BTreeMap::new(),
-            stopped: None,
+            findings: Findings::default(),
+            full: false,
         }
     }
 
     fn run(mut self, limits: &Limits<'_>) -> Explored {
         self.expand_all(limits);
-        let complete = self.stopped.is_none();
-        let mut outcomes: BTreeMap<Vec<Held>, StateId> = BTreeMap::new();
-        for state in std::mem::take(&mut self.finals) {
-            if let Some(end) = self.finish(state) {
-                outcomes.entry(end.pixels).or_insert(state);
-            }
-        }
-        let (contract, litmus) = (self.machine.contract, self.machine.litmus);
+        let complete = self.findings.stopped.is_none();
+        let outcomes = std::mem::take(&mut self.findings.outcomes);
+        let (contract, litmus) = (self.expander.machine.contract, self.expander.machine.litmus);
         let short = |pixels: &Vec<Held>| {
             pixels.iter().map(Held::len).sum::<usize>() < litmus.fragments.len()
         };
@@ -149,7 +119,7 @@ impl<'a> Search<'a> {
         let one = !open && !property::overflows(contract, litmus);
         if one && outcomes.len() > 1 {
             // The first one that is not the right one; or, if all are acceptable, the second.
-            let expected = property::expected(self.machine.case);
+            let expected = property::expected(self.expander.machine.case);
             let is_right = |pixels: &Vec<Held>| expected.as_ref() == Some(pixels);
             let mut states: Vec<(bool, StateId)> =
                 outcomes.iter().map(|(pixels, &state)| (is_right(pixels), state)).collect();
@@ -164,20 +134,20 @@ impl<'a> Search<'a> {
             } else {
                 Property::OneOutcome
             };
-            self.violations.insert(property, (shown, None, message));
+            self.findings.violations.insert(property, (shown, None, message));
         }
-        let violations = std::mem::take(&mut self.violations).into_iter();
+        let violations = std::mem::take(&mut self.findings.violations).into_iter();
         let violations = violations.map(|(property, (state, last, message))| {
             (property, Found { message, schedule: self.schedule(state, last) })
         });
         let mut violations: BTreeMap<Property, Found> = violations.collect();
-        let repeats = self.machine.forest.check_repeats();
+        let repeats = self.expander.machine.forest.check_repeats();
         if let Err(message) = &repeats {
             let found = Found { message: message.clone(), schedule: Vec::new() };
             violations.insert(Property::Repeats, found);
         }
         // Without that, no claim is worth a comparison.
-        let claims = repeats.map_or(Ok(0), |()| self.machine.forest.check_claims());
+        let claims = repeats.map_or(Ok(0), |()| self.expander.machine.forest.check_claims());
         if let Err(message) = &claims {
             let found = Found { message: message.clone(), schedule: Vec::new() };
             violations.insert(Property::Invariant, found);
@@ -186,7 +156,7 @@ impl<'a> Search<'a> {
         let outcomes = outcomes.collect();
         Explored {
             complete,
-            stopped: self.stopped,
+            stopped: self.findings.stopped,
             states: self.space.len(),
             transitions: self.graph.targets.len(),
             bytes: self.space.bytes() + self.graph.bytes(),
@@ -194,207 +164,175 @@ impl<'a> Search<'a> {
             cyclic: is_cyclic(&self.graph),
             outcomes,
             violations,
-            sites: self.machine.forest.sites().clone(),
-            bare_waits: self.machine.forest.bare_waits().len(),
+            sites: self.expander.machine.forest.sites().clone(),
+            bare_waits: self.expander.machine.forest.bare_waits().len(),
             claims: claims.unwrap_or(0),
         }
     }
 
     /// Visit every state, or as many as may be.
     fn expand_all(&mut self, limits: &Limits<'_>) {
-        let start = self.machine.initial().to_vec();
-        self.space.insert(&start, 0, Move { invocation: 0, alternative: 0 });
-        let (mut state, mut next) = (0, Vec::new());
-        let mut current = Vec::new();
+        let start = self.expander.machine.initial();
+        self.space.insert(start, 0, Move { invocation: 0, alternative: 0 });
         self.graph.first.push(0);
+        let mut successors = Successors::default();
+        let mut state = 0;
         while state < self.space.len() {
-            if self.space.len() > limits.states {
-                let (limit, bytes) = (limits.states, self.space.bytes() / self.space.len());
-                self.stopped = Some(Stopped::States { limit, bytes });
+            let goes_on = if self.sharing.pays(self.space.len() - state) {
+                let block = state..state + self.sharing.block;
+                state = block.end;
+                self.expand_block(block, &mut successors, limits)
+            } else {
+                state += 1;
+                self.may_expand(state - 1, limits) && self.expand(state - 1, &mut successors)
+            };
+            if !goes_on {
                 return;
             }
-            if state % 1_024 == 0 && (limits.cancelled)() {
-                self.stopped = Some(Stopped::Cancelled);
-                return;
-            }
-            current.clear();
-            current.extend_from_slice(self.space.get(state as StateId));
-            self.expand(state as StateId, &current, &mut next);
-            if matches!(self.stopped, Some(Stopped::Endless { .. })) {
-                return;
-            }
-            self.graph.first.push(self.graph.targets.len());
-            state += 1;
         }
-        if let Some(node) = self.machine.endless() {
-            self.stopped.get_or_insert(endless(&self.machine, node));
+        let machine = &self.expander.machine;
+        if let Some(node) = machine.endless() {
+            self.findings.stopped.get_or_insert(endless(machine, node));
         }
-        if self.machine.is_full() {
-            self.stopped.get_or_insert(Stopped::Full);
+        if machine.is_full() || self.full {
+            self.findings.stopped.get_or_insert(Stopped::Full);
         }
     }
 
-    fn expand(&mut self, id: StateId, state: &[u32], next: &mut Vec<u32>) {
-        let count = self.machine.width;
-        self.machine.load(state);
-        let nodes = &state[..count];
-        let live = self.machine.live(nodes);
-        if live == 0 {
-            self.ended(id, nodes);
-            return;
+    /// Whether the limits let a state be expanded.
+    fn may_expand(&mut self, state: usize, limits: &Limits<'_>) -> bool {
+        if self.space.len() > limits.states {
+            let (limit, bytes) = (limits.states, self.space.bytes() / self.space.len());
+            self.findings.stopped = Some(Stopped::States { limit, bytes });
+            return false;
         }
-        if self.machine.is_sequential()
-            && self.machine.is_in_passes()
-            && let Err(message) = self.machine.invariant(Moment::Always)
-        {
-            self.violation(Property::Invariant, id, None, || message);
+        if state.is_multiple_of(1_024) && (limits.cancelled)() {
+            self.findings.stopped = Some(Stopped::Cancelled);
+            return false;
         }
-        self.exclusion(id, nodes);
-        let movers = if self.one_by_one { self.begun(nodes, live) } else { live };
-        for invocation in (0..count).filter(|i| movers & (1 << i) != 0) {
-            let mut alternatives = 1;
-            let mut alternative = 0;
-            while alternative < alternatives {
-                self.machine.load(state);
-                if alternative == 0 {
-                    alternatives = self.machine.alternatives(nodes, invocation);
-                    if alternatives == 0 {
-                        self.look_for_end(nodes[invocation]);
-                        break;
+        true
+    }
+
+    /// Expand a state. Returns whether there is a point in going on.
+    fn expand(&mut self, state: usize, successors: &mut Successors) -> bool {
+        let id = state as StateId;
+        successors.clear();
+        match self.expander.expand(id, self.space.get(id), successors, &mut self.findings) {
+            Expanded::All => {}
+            Expanded::Missed => unreachable!("nobody else has its tables"),
+            Expanded::CutOff(node) => {
+                self.findings.stopped = Some(endless(&self.expander.machine, node));
+                return false;
+            }
+        }
+        for index in 0..successors.len() {
+            let Offered { words, hash, from, by } = successors.offer(index, id);
+            let (target, _) = self.space.insert_hashed(words, hash, from, by);
+            self.graph.targets.push(target);
+            self.graph.movers.push(by.invocation);
+        }
+        self.graph.first.push(self.graph.targets.len());
+        true
+    }
+
+    /// Expand states that follow one another, by several threads.
+    fn expand_block(
+        &mut self,
+        block: Range<usize>,
+        successors: &mut Successors,
+        limits: &Limits<'_>,
+    ) -> bool {
+        let (chunk, space, expander) = (self.sharing.chunk, &self.space, &self.expander);
+        let chunks = block.clone().into_par_iter().step_by(chunk);
+        let share = |expander: &mut Expander<'a>, begin: usize| {
+            expander.share(begin..block.end.min(begin + chunk), space)
+        };
+        let shares: Vec<Share> = chunks.map_init(|| expander.clone(), share).collect();
+        let count: usize = shares.iter().map(|share| share.successors.len()).sum();
+        let left = shares.iter().flat_map(|share| &share.upto).filter(|upto| upto.is_none());
+        let most = count + left.count() * MOST_SUCCESSORS;
+        let rest =
+            if self.space.len() + most > limits.states { None } else { self.rest(&block, &shares) };
+        let Some(rest) = rest else {
+            return block
+                .into_iter()
+                .all(|state| self.may_expand(state, limits) && self.expand(state, successors));
+        };
+        let mut rest = rest.iter();
+        let mut offered = Vec::with_capacity(most);
+        let mut ends = Vec::with_capacity(block.len());
+        for (share, begin) in shares.iter().zip(block.clone().step_by(chunk)) {
+            let mut before = 0;
+            for (upto, from) in share.upto.iter().zip(begin as StateId..) {
+                match *upto {
+                    Some(upto) => {
+                        offered.extend((before..upto).map(|i| share.successors.offer(i, from)));
+                        before = upto;
+                    }
+                    None => {
+                        let all = rest.next().into_iter();
+                        offered
+                            .extend(all.flat_map(|all| (0..all.len()).map(|i| all.offer(i, from))));
                     }
                 }
-                let by = Move { invocation: invocation as u8, alternative: alternative as u16 };
-                let moved = self.machine.perform(nodes[invocation], by);
-                if moved.stop != Some(Stop::NoRoom) {
-                    self.judge_move(id, nodes[invocation], by, moved);
-                }
-                if moved.stop.is_none() {
-                    self.follow(id, state, by, moved, next);
-                }
-                alternative += 1;
+                ends.push(self.graph.targets.len() + offered.len());
             }
         }
-    }
-
-    /// The invocation that has begun and not ended; all live ones, if none has.
-    fn begun(&mut self, nodes: &[NodeId], live: u32) -> u32 {
-        let begun = (0..nodes.len()).find(|&i| {
-            let task = self.machine.stage().tasks[i];
-            live & (1 << i) != 0 && nodes[i] != self.machine.forest.root(task)
-        });
-        begun.map_or(live, |invocation| 1 << invocation)
-    }
-
-    /// The state after a move.
-    #[inline]
-    fn follow(&mut self, id: StateId, state: &[u32], by: Move, moved: Moved, next: &mut Vec<u32>) {
-        let (count, head) = (self.machine.width, self.machine.head());
-        next.clear();
-        next.extend_from_slice(&state[..head]);
-        self.machine.place(&mut next[..count], by, moved.node);
-        if self.mark_movers {
-            next[count] |= 1 << by.invocation;
+        let ids = self.space.insert_all(&offered);
+        self.graph.movers.extend(offered.iter().map(|offered| offered.by.invocation));
+        self.graph.targets.extend(ids);
+        self.graph.first.extend(ends);
+        for Share { findings, full, .. } in shares {
+            self.findings.merge(findings);
+            self.full |= full;
         }
-        if let Some(message) = self.machine.settle(next) {
-            self.violation(Property::Invariant, id, Some(by), || message);
-        }
-        if let Some(groups) = self.groups.get(self.machine.stage_index()) {
-            canonical(&mut next[..count], groups, &mut [0; 32]);
-        }
-        let (target, _) = self.space.insert(next, id, by);
-        self.graph.targets.push(target);
-        self.graph.movers.push(by.invocation);
-    }
-
-    /// An invocation that cannot move: it waits for other lanes, or it was cut off.
-    fn look_for_end(&mut self, node: NodeId) {
-        if self.machine.forest.node(node).step == Step::Endless {
-            self.stopped = Some(endless(&self.machine, node));
+        !(limits.cancelled)() || {
+            self.findings.stopped = Some(Stopped::Cancelled);
+            false
         }
     }
 
-    fn judge_move(&mut self, id: StateId, node: NodeId, by: Move, moved: Moved) {
-        if let Some(fault) = moved.fault {
-            let told = self.machine.told(node, fault);
-            self.violation(fault.property(), id, Some(by), || told);
-        }
-        if moved.stop == Some(Stop::Panic) {
-            self.stopped.get_or_insert(Stopped::Panics);
-        }
-        if moved.race.is_some() {
-            self.violation(Property::RaceFree, id, Some(by), || "a data race".to_owned());
-        }
-    }
-
-    fn exclusion(&mut self, id: StateId, nodes: &[NodeId]) {
-        let mut held = 0;
-        for invocation in 0..nodes.len() {
-            let own = self.machine.held(nodes, invocation);
-            if held & own != 0 {
-                let message = || "two invocations hold the same lock".to_owned();
-                self.violation(Property::MutualExclusion, id, None, message);
+    /// What follows from the states that were left; `None` if an invocation is cut off.
+    fn rest(&mut self, block: &Range<usize>, shares: &[Share]) -> Option<Vec<Successors>> {
+        let all = shares.iter().flat_map(|share| &share.upto).zip(block.clone());
+        let left = all.filter(|(upto, _)| upto.is_none());
+        left.map(|(_, state)| {
+            let mut successors = Successors::default();
+            let id = state as StateId;
+            let words = self.space.get(id);
+            match self.expander.expand(id, words, &mut successors, &mut self.findings) {
+                Expanded::All => Some(successors),
+                Expanded::Missed => unreachable!("nobody else has its tables"),
+                Expanded::CutOff(_) => None,
             }
-            held |= own;
-        }
-    }
-
-    fn ended(&mut self, id: StateId, nodes: &[NodeId]) {
-        if self.mark_movers {
-            // Resolve must end, too.
-            let _ = self.machine.finish(nodes);
-            return;
-        }
-        self.finals.push(id);
-        if self.machine.is_in_passes()
-            && let Err(message) = self.machine.invariant(Moment::Quiet)
-        {
-            self.violation(Property::Invariant, id, None, || message);
-        }
-        let Some(end) = self.machine.finish(nodes) else { return };
-        for (property, message) in property::judge(self.machine.case, &end) {
-            self.violation(property, id, None, || message);
-        }
-    }
-
-    fn violation(
-        &mut self,
-        property: Property,
-        state: StateId,
-        last: Option<Move>,
-        message: impl FnOnce() -> String,
-    ) {
-        self.violations.entry(property).or_insert_with(|| (state, last, message()));
-    }
-
-    fn finish(&mut self, state: StateId) -> Option<Final> {
-        let words = self.space.get(state).to_vec();
-        self.machine.load(&words);
-        self.machine.finish(&words[..self.machine.width])
+        })
+        .collect()
     }
 
     /// The moves to a state and perhaps one more, by the invocations that actually make them.
     fn schedule(&mut self, state: StateId, last: Option<Move>) -> Schedule {
         let path: Vec<Move> = self.space.path(state).into_iter().chain(last).collect();
-        if self.groups.is_empty() {
+        let Expander { machine, groups, .. } = &mut self.expander;
+        if groups.is_empty() {
             return path;
         }
-        let count = self.machine.width;
+        let count = machine.width;
         let mut who: Vec<u8> = (0..count as u8).collect();
         let mut at = self.space.get(0).to_vec();
         let mut schedule = Vec::new();
         for by in path {
             let place = usize::from(by.invocation);
             schedule.push(Move { invocation: who[place], ..by });
-            self.machine.load(&at);
-            let moved = self.machine.perform(at[place], by);
-            self.machine.place(&mut at[..count], by, moved.node);
-            let (head, stage) = (self.machine.head(), self.machine.stage_number());
+            machine.load(&at);
+            let moved = machine.perform(at[place], by);
+            machine.place(&mut at[..count], by, moved.node);
+            let (head, stage) = (machine.head(), machine.stage_number());
             at.truncate(head);
-            self.machine.settle(&mut at);
-            if self.machine.stage_number() != stage {
+            machine.settle(&mut at);
+            if machine.stage_number() != stage {
                 who = (0..count as u8).collect();
             }
-            canonical(&mut at[..count], &self.groups[self.machine.stage_index()], &mut who);
+            canonical(&mut at[..count], &groups[machine.stage_index()], &mut who);
         }
         schedule
     }
@@ -405,6 +343,7 @@ mod tests {
     use super::*;
     use crate::catalogue::Catalogue;
     use crate::explore::memory::model::Profile;
+    use crate::explore::program::guard::guarded;
     use crate::explore::program::instances::{Family, instances};
     use crate::explore::program::subject::Subject;
     use crate::scheme::contract::Form;
@@ -425,7 +364,7 @@ mod tests {
                     let conditions = Conditions { memory, warp: None };
                     let part = explore(&case, conditions, &limits);
                     let whole =
-                        Search::new(Machine::whole(&case, conditions), Vec::new()).run(&limits);
+                        Search::new(Expander::new(Machine::whole(&case, conditions))).run(&limits);
                     if !whole.complete {
                         continue;
                     }
@@ -442,10 +381,41 @@ mod tests {
         assert!(compared > 100, "{compared}");
     }
 
+    /// Blocks of states that several threads expand give what one thread finds, down to the numbers of states: for
+    /// every method, its faults too, and where limits end the search in the middle of a block.
     #[test]
-    fn equal_invocations_are_put_in_order() {
-        let (mut nodes, mut who) = ([5, 9, 3, 4, 2, 7], [0, 1, 2, 3, 4, 5]);
-        canonical(&mut nodes, &[1..4, 4..6], &mut who);
-        assert_eq!((nodes, who), ([5, 3, 4, 9, 2, 7], [0, 2, 3, 1, 4, 5]));
+    fn shared_states_are_expanded_as_by_one_thread() {
+        let relaxed = MemoryModel::Relaxed(Profile::Vulkan);
+        let sequential = MemoryModel::Sequential;
+        let (mut compared, mut violated, mut shared) = (0, 0, 0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
+        for &method in Catalogue::default().methods() {
+            let Ok(subject) = Subject::new(method) else { continue };
+            let family = Family { fragments: 2, ks: vec![1], helpers: 1 };
+            for (number, litmus) in instances(&subject, &family).into_iter().enumerate().take(5) {
+                let case = subject.case(&litmus);
+                for (memory, warp) in [(sequential, None), (relaxed, None), (sequential, Some(2))] {
+                    let conditions = Conditions { memory, warp };
+                    let states = [100_000, 40 + 7 * number][usize::from(number % 2 == 0)];
+                    let limits = Limits { states, cancelled: &|| false };
+                    let search = |sharing| {
+                        let expander = Expander::new(Machine::new(&case, conditions, false));
+                        let search = Search::new(expander.symmetric());
+                        let search = Search { sharing, ..search };
+                        guarded(|| search.run(&limits)).unwrap_or_else(Explored::panicked)
+                    };
+                    let one = search(Sharing { block: usize::MAX, ..Sharing::new() });
+                    let sharing = Sharing { block: 37, chunk: 5, always: true };
+                    let several = pool.install(|| search(sharing));
+                    let name = format!("{}, {}, {memory}", method.name(), litmus.describe());
+                    assert_eq!(format!("{one:?}"), format!("{several:?}"), "{name}");
+                    compared += 1;
+                    violated += usize::from(!one.violations.is_empty());
+                    shared += usize::from(one.states > 100);
+                }
+            }
+        }
+        println!("{compared} searches compared, {violated} with violations, {shared} large");
+        assert!(compared > 1_500 && violated > 200 && shared > 500);
     }
 }

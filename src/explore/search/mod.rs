@@ -2,6 +2,7 @@
 
 mod constants;
 pub(super) mod exhaustive;
+mod expand;
 pub(super) mod explored;
 pub(super) mod graph;
 pub(super) mod live;

@@ -57,7 +57,7 @@ impl Machine<'_> {
                 break;
             }
             if let Some(cut_off) = alone.as_ref().and_then(|alone| alone.endless) {
-                self.endless = Some(cut_off);
+                self.cut_off(cut_off);
                 break;
             }
             let written = alone.as_ref().map(|alone| alone.written.clone()).unwrap_or_default();
@@ -65,7 +65,7 @@ impl Machine<'_> {
             let resolve = course::At { stage: self.course.stages().len() - 1, ..here };
             let Some(next) = self.explored(self.course.after(resolve, again)) else { break };
             if at.round == MOST_ROUNDS {
-                self.full = true;
+                self.full |= self.forest.grow(|_| true).unwrap_or(false);
                 break;
             }
             if self.is_in_passes() {
@@ -80,13 +80,21 @@ impl Machine<'_> {
         wrong
     }
 
-    /// The index of results.
+    /// An invocation that ran alone was cut off here. It is for the machine to note whose tables grow.
+    fn cut_off(&mut self, node: NodeId) {
+        if self.forest.grow(|_| ()).is_some() {
+            self.endless = Some(node);
+        }
+    }
+
+    /// The index of results. Any, if it is missed.
     fn intern(&mut self, results: Final) -> u32 {
         let known = self.results.iter().position(|known| *known == results);
-        known.unwrap_or_else(|| {
-            self.results.push(results);
-            self.results.len() - 1
-        }) as u32
+        let new = |all: &mut Vec<Final>| {
+            all.push(results);
+            all.len() - 1
+        };
+        known.or_else(|| self.results.grow(new)).unwrap_or(0) as u32
     }
 
     /// A stage of the course as one of those that are explored, if it is one.
@@ -100,9 +108,8 @@ impl Machine<'_> {
     /// off, or has asked for too many rounds.
     pub(in crate::explore) fn finish(&mut self, nodes: &[NodeId]) -> Option<Final> {
         let alone = self.resolve_alone();
-        let cut_off = alone.as_ref().and_then(|alone| alone.endless);
-        if cut_off.is_some() {
-            self.endless = cut_off;
+        if let Some(cut_off) = alone.as_ref().and_then(|alone| alone.endless) {
+            self.cut_off(cut_off);
             return None;
         }
         let (mut end, again) = self.resolved(nodes, alone);
