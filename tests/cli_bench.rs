@@ -280,8 +280,9 @@ fn the_simulated_device_and_the_explorer_have_rates() {
     assert!(number(&rows[0], "mops_per_s") > 0.0);
     assert_eq!(rows[0]["limit_ratio"], Value::Null);
 
-    let found =
-        document(&dir.run("bench --explore kplus-array,ab-ll -n 3 -k 2 --repeats 1 --json"));
+    let found = document(
+        &dir.run("bench --explore kplus-array,ab-ll -n 3 -k 2 --threads 1 --repeats 1 --json"),
+    );
     let rows = list(&found, "rows");
     let names: Vec<_> =
         rows.iter().map(|row| (row["method"].as_str(), row["k"].as_u64())).collect();
@@ -290,11 +291,23 @@ fn the_simulated_device_and_the_explorer_have_rates() {
     assert_eq!(names, right.map(|(name, k)| (Some(name), k)));
     assert_ne!(rows[0]["memory"], rows[1]["memory"]);
     for row in rows {
+        assert_eq!(row["threads"].as_u64(), Some(1));
         assert_eq!((row["n"].as_u64(), row["complete"].as_bool()), (Some(3), Some(true)));
         for field in ["states", "moves", "mstates_per_s", "mmoves_per_s"] {
             assert!(number(row, field) > 0.0, "{field}: {row}");
         }
         // A state has at least a word an invocation, and a move to it.
         assert!(number(row, "bytes_per_state") > 16.0, "{row}");
+    }
+
+    // Large enough to be shared, which changes nothing but the time.
+    let line = "bench --explore ab-ll -n 4 --threads 1,3 --repeats 1 --json";
+    let found = document(&dir.run(line));
+    let rows = list(&found, "rows");
+    for (one, several) in [(&rows[0], &rows[1]), (&rows[2], &rows[3])] {
+        assert_eq!((one["threads"].as_u64(), several["threads"].as_u64()), (Some(1), Some(3)));
+        for field in ["memory", "states", "moves", "complete", "bytes_per_state"] {
+            assert_eq!(one[field], several[field], "{field}");
+        }
     }
 }

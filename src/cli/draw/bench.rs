@@ -125,7 +125,7 @@ pub(in crate::cli) struct Args {
         value_name = "METHOD,...",
         value_delimiter = ',',
         conflicts_with_all = [
-            "scenes", "methods", "load", "thickness", "size", "quick", "suite", "execs", "threads", "scaling", "cull", "wanted"
+            "scenes", "methods", "load", "thickness", "size", "quick", "suite", "execs", "scaling", "cull", "wanted"
         ]
     )]
     explore: Vec<String>,

@@ -1,6 +1,7 @@
-//! The explorer: states and moves a second on one core, and bytes a state.
+//! The explorer: states and moves a second, and bytes a state.
 
 use super::peak;
+use super::plan::threads;
 use super::stats::{median, timed};
 use super::table::{Column, column, number, table};
 use super::{Args, MOST_FRAGMENTS};
@@ -24,6 +25,8 @@ pub(super) struct Search {
     #[serde(skip_serializing_if = "Option::is_none")]
     k: Option<u32>,
     memory: String,
+    /// That worked on it.
+    threads: usize,
     states: usize,
     moves: usize,
     /// Every state was visited.
@@ -48,14 +51,17 @@ pub(super) fn run(catalogue: &Catalogue, args: &Args) -> Result<Vec<Search>> {
         return Err(Error::new("-n", format!("is {n}, but must be 1 to {MOST_FRAGMENTS}")));
     }
     let cases = [(MemoryModel::Sequential, 4), (MemoryModel::Relaxed(Profile::Vulkan), 3)];
+    let numbers = threads(args)?;
     let mut rows = Vec::new();
     for method in methods {
         for (memory, usual) in cases {
-            let n = args.n.unwrap_or(usual);
-            let message = format!("exploring {method} with {n} fragments");
-            rows.extend(wait::during(args.output.quiet, &message, || {
-                search(method, n, args.k.unwrap_or(1), memory, args.repeats)
-            })?);
+            for &threads in &numbers {
+                let n = args.n.unwrap_or(usual);
+                let message = format!("exploring {method} with {n} fragments");
+                rows.extend(wait::during(args.output.quiet, &message, || {
+                    search(method, n, args.k.unwrap_or(1), memory, threads, args.repeats)
+                })?);
+            }
         }
     }
     Ok(rows)
@@ -66,6 +72,7 @@ fn search(
     n: u32,
     k: u32,
     memory: MemoryModel,
+    threads: usize,
     repeats: u32,
 ) -> Result<Option<Search>> {
     let subject = Subject::new(method)?;
@@ -77,8 +84,11 @@ fn search(
     };
     let limits = Limits { states: MOST_STATES, cancelled: &|| false };
     let conditions = Conditions { memory, warp: None };
-    let (explored, peak_mib) = peak::during(|| explore(&subject, litmus, conditions, &limits));
-    let again = || timed(|| explore(&subject, litmus, conditions, &limits)).0;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Error::new("--threads", format!("cannot start {threads}: {e}")))?;
+    let explored = || pool.install(|| explore(&subject, litmus, conditions, &limits));
+    let again = || timed(explored).0;
+    let (explored, peak_mib) = peak::during(explored);
     let seconds = median((0..repeats).map(|_| again()).collect());
     let (states, moves) = (explored.states, explored.transitions);
     let rate = |count: usize| if seconds > 0.0 { count as f64 * 1e-6 / seconds } else { 0.0 };
@@ -87,6 +97,7 @@ fn search(
         n,
         k: litmus.k,
         memory: memory.to_string(),
+        threads,
         states,
         moves,
         complete: explored.complete,
@@ -106,6 +117,7 @@ pub(super) fn text(rows: &[Search]) -> String {
             column!("n", Right, |row| row.n.to_string()),
             column!("k", Right, |row| row.k.map_or(String::new(), |k| k.to_string())),
             column!("memory", Left, |row| row.memory.clone()),
+            column!("threads", Right, |row| row.threads.to_string()),
             column!("states", Right, |row| row.states.to_string()),
             column!("moves", Right, |row| row.moves.to_string()),
             column!("seconds", Right, |row| number(Some(row.seconds), 4)),

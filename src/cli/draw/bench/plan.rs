@@ -176,7 +176,7 @@ fn executor(exec: Exec) -> render::Exec {
 }
 
 /// Numbers of threads: those typed, or one per core; with `--scaling threads` all up to that.
-fn threads(args: &Args) -> Result<Vec<usize>> {
+pub(super) fn threads(args: &Args) -> Result<Vec<usize>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     if let Some(most) = args.threads.iter().find(|&&n| n > MAX_THREADS) {
         let problem = format!("is {most}, but at most {MAX_THREADS} are possible");
