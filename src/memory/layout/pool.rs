@@ -4,11 +4,12 @@
 //! that knows how many fragments it will store takes as many indices by one addition, and hands them out itself, as
 //! shader compilers do for a warp.
 //!
-//! That is sound: an addition of m is m additions of 1 in a row, the counter is relaxed and orders nothing, and an index
-//! is nothing but a name. An invocation gets one that no other has, as it does from the counter. So it is the plain
-//! program that the explorer checks. What is left over when a fragment needs no index is not handed out any more. No
-//! index is beyond a pool because of that: a pool with room for every fragment has room for one index each, taken or
-//! left over. A pool that is too small has not, so nothing is taken ahead from it.
+//! That is sound: an addition of m is m additions of 1 in a row, the counter is relaxed and orders nothing, and an
+//! index is nothing but a name. An invocation gets one that no other has, as it does from the counter, and
+//! invocations may come to the counter in any order. So it is the plain program that the explorer checks. What is
+//! left over when a fragment needs no index is not handed out any more. No index is beyond a pool because of that: a
+//! pool with room for every fragment has room for one index each, taken or left over. A pool that is too small has
+//! not, so nothing is taken ahead from it.
 
 use std::cell::Cell;
 
@@ -73,7 +74,8 @@ impl Ahead {
     }
 
     /// Hand out these from now on, in an order that spreads what was stored as many steps apart as a tile has pixels:
-    /// the nodes of one list on a scene of layers. In their own order, the caches would have one place for them.
+    /// the nodes of one list on a scene of layers. In their own order, the caches would have one place for them. It is
+    /// for pools that have room for all: if one has not, the order decides which fragments find none.
     pub fn spread(&self, first: u32, count: u32) {
         self.set(first, count);
         self.turned.set(count - count % PAGE);
