@@ -235,15 +235,8 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             if tile.ahead.is_empty() {
                 tile.ahead = self.layout.ahead();
             }
-            let (first, count) = (tile.pool.start as u32, (tile.pool.end - tile.pool.start) as u32);
-            for ahead in &tile.ahead {
-                // Which fragment gets which index decides what is dropped, too.
-                if self.job.whole_pools {
-                    ahead.spread(first, count);
-                } else {
-                    ahead.set(first, count);
-                }
-            }
+            let count = (tile.pool.end - tile.pool.start) as u32;
+            tile.ahead.iter().for_each(|ahead| ahead.set(tile.pool.start as u32, count));
         }
         if self.job.contract.program.repeats {
             tile.collected.reset(self.job.holds, pixels);

@@ -4,12 +4,11 @@
 //! that knows how many fragments it will store takes as many indices by one addition, and hands them out itself, as
 //! shader compilers do for a warp.
 //!
-//! That is sound: an addition of m is m additions of 1 in a row, the counter is relaxed and orders nothing, and an
-//! index is nothing but a name. An invocation gets one that no other has, as it does from the counter, and
-//! invocations may come to the counter in any order. So it is the plain program that the explorer checks. What is
-//! left over when a fragment needs no index is not handed out any more. No index is beyond a pool because of that: a
-//! pool with room for every fragment has room for one index each, taken or left over. A pool that is too small has
-//! not, so nothing is taken ahead from it.
+//! That is sound: an addition of m is m additions of 1 in a row, the counter is relaxed and orders nothing, and an index
+//! is nothing but a name. An invocation gets one that no other has, as it does from the counter. So it is the plain
+//! program that the explorer checks. What is left over when a fragment needs no index is not handed out any more. No
+//! index is beyond a pool because of that: a pool with room for every fragment has room for one index each, taken or
+//! left over. A pool that is too small has not, so nothing is taken ahead from it.
 
 use std::cell::Cell;
 
@@ -42,20 +41,13 @@ impl Pool {
 #[derive(Debug)]
 pub struct Ahead {
     pool: Pool,
-    first: Cell<u32>,
-    count: Cell<u32>,
-    /// How many of them stand in whole pages, whose indices are turned.
-    turned: Cell<u32>,
-    taken: Cell<u32>,
+    next: Cell<u32>,
+    left: Cell<u32>,
 }
-
-/// Indices of a page: so many keys of 8 bytes are as far apart as words that share a place in a first-level cache.
-const PAGE: u32 = 512;
 
 impl Ahead {
     pub(super) fn none(pool: Pool) -> Self {
-        let [first, count, turned, taken] = [0; 4].map(Cell::new);
-        Self { pool, first, count, turned, taken }
+        Self { pool, next: Cell::new(0), left: Cell::new(0) }
     }
 
     /// The pool that they are of.
@@ -67,80 +59,14 @@ impl Ahead {
     /// Hand out these from now on, instead of those that are left.
     #[inline]
     pub fn set(&self, first: u32, count: u32) {
-        self.first.set(first);
-        self.count.set(count);
-        self.turned.set(0);
-        self.taken.set(0);
-    }
-
-    /// Hand out these from now on, in an order that spreads what was stored as many steps apart as a tile has pixels:
-    /// the nodes of one list on a scene of layers. In their own order, the caches would have one place for them. It is
-    /// for pools that have room for all: if one has not, the order decides which fragments find none.
-    pub fn spread(&self, first: u32, count: u32) {
-        self.set(first, count);
-        self.turned.set(count - count % PAGE);
+        self.next.set(first);
+        self.left.set(count);
     }
 
     /// The next one, if there is one.
     #[inline(always)]
     pub(in crate::memory) fn next(&self) -> Option<u32> {
-        let i = self.taken.get();
-        if i >= self.count.get() {
-            return None;
-        }
-        self.taken.set(i + 1);
-        let place = if i < self.turned.get() { turn(i) } else { i };
-        Some(self.first.get().wrapping_add(place))
-    }
-}
-
-/// Each page begins 16 indices further into itself than the one before it, and 16 more than the one eight before it.
-#[inline(always)]
-fn turn(i: u32) -> u32 {
-    let page = i / PAGE;
-    page * PAGE + (i + 16 * (page + page / 8)) % PAGE
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn taken(ahead: &Ahead) -> Vec<u32> {
-        std::iter::from_fn(|| ahead.next()).collect()
-    }
-
-    fn ahead() -> Ahead {
-        let mut layout = super::super::Layout::default();
-        let _ = layout.pool();
-        layout.ahead().pop().expect("a pool")
-    }
-
-    /// Each index is handed out once, whatever the range.
-    #[test]
-    fn spread_indices_are_those_of_the_range() {
-        let ahead = ahead();
-        for (first, count) in [(0, 0), (7, 1), (100, 511), (0, 512), (3, 513), (9, 70_000)] {
-            ahead.spread(first, count);
-            let mut all = taken(&ahead);
-            all.sort_unstable();
-            assert_eq!(all, (first..first + count).collect::<Vec<_>>());
-            ahead.set(first, count);
-            assert_eq!(taken(&ahead), (first..first + count).collect::<Vec<_>>());
-        }
-    }
-
-    /// Keys of 8 bytes, 4,096 stores apart, are in different lines of a first-level cache of 4 KiB a way.
-    #[test]
-    fn what_is_as_far_apart_as_a_tile_has_pixels_shares_no_place() {
-        let ahead = ahead();
-        ahead.spread(0, 4_096 * 16);
-        let all = taken(&ahead);
-        for pixel in [0, 1, 1_000, 4_095] {
-            let mut lines: Vec<u32> =
-                (0..16).map(|layer| all[pixel + layer * 4_096] * 8 % 4_096 / 64).collect();
-            lines.sort_unstable();
-            lines.dedup();
-            assert_eq!(lines.len(), 16, "{lines:?}");
-        }
+        self.left.set(self.left.get().checked_sub(1)?);
+        Some(self.next.replace(self.next.get().wrapping_add(1)))
     }
 }
