@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use fragloom::exec::drive::{Outcomes, Pipeline};
+use fragloom::exec::drive::Pipeline;
 use fragloom::fragment::{Fragment, key};
 use fragloom::memory::arena::{Owned, Shared};
 use fragloom::memory::exclusive::Exclusive;
@@ -19,7 +19,7 @@ use fragloom::num::random::Random;
 use fragloom::raster::Batch;
 use fragloom::raster::batch::bits;
 use fragloom::scheme::kplus_buffer::kplus_array::KPlusArray;
-use fragloom::scheme::{Config, Outcome, Scheme};
+use fragloom::scheme::{Config, Outcome, Outcomes, Scheme};
 use support::paired;
 
 const K: usize = 8;

@@ -8,9 +8,9 @@
 //! one more often than generated is duplicated; a generated fragment that is missing was lost if it belongs to the k
 //! nearest, and evicted (or culled) if it does not.
 
-use super::drive::Outcomes;
-use crate::scheme::Outcome;
+use crate::num::lanes::wide;
 use crate::scheme::parts::visible::is_hidden;
+use crate::scheme::{Outcome, Outcomes};
 
 /// Sums over pixels; each addition is exact, so their order does not matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,6 +123,38 @@ impl Tally {
             self.missing += made.saturating_sub(accounted);
             self.surplus += accounted.saturating_sub(made);
         }
+    }
+
+    /// Count resolved pixels, as [`Self::pixel`] does: fragments generated, gone and kept of each, and those merged, if
+    /// any were.
+    ///
+    /// # Panics
+    /// If a list is shorter than the first; that of merged ones may be empty.
+    pub fn pixels(&mut self, [generated, gone, kept]: [&[u32]; 3], merged: &[u32]) {
+        let count = generated.len();
+        let (gone, kept) = (&gone[..count], &kept[..count]);
+        let [made, found, most, off] = wide(
+            #[inline(always)]
+            || {
+                let [mut made, mut found, mut most, mut off] = [0; 4];
+                for i in 0..count {
+                    let [own, gone, kept] = [generated[i], gone[i], kept[i]].map(u64::from);
+                    (made, found, most) = (made + own, found + kept, own.max(most));
+                    off |= own ^ (gone + kept);
+                }
+                [made, found, most, off]
+            },
+        );
+        if off != 0 || !merged.is_empty() {
+            for i in 0..count {
+                let merged = merged.get(i).map_or(0, |&merged| merged);
+                self.pixel(generated[i], gone[i], kept[i] as usize, merged);
+            }
+            return;
+        }
+        self.generated += made;
+        self.kept += found;
+        self.max_depth_complexity = self.max_depth_complexity.max(most as u32);
     }
 
     /// For methods without lists of fragments to compare: what is missing counts as lost, and what is surplus as
@@ -281,6 +313,36 @@ mod tests {
             tally.correct(&judgement, true);
             assert_eq!((tally.culled, tally.lost), (culled, lost), "{visible}");
             assert!(tally.balances(), "{tally:?}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_counted_as_one_by_one() {
+        let generated: Vec<u32> = (0..130).map(|i| i * 7 % 11).collect();
+        let gone: Vec<u32> = generated.iter().map(|g| g / 3).collect();
+        let exact: Vec<u32> = generated.iter().zip(&gone).map(|(a, b)| a - b).collect();
+        let changed = |place: usize, value: u32| {
+            let mut kept = exact.clone();
+            kept[place] = value;
+            kept
+        };
+        let mut far = generated.clone();
+        far[129] = u32::MAX;
+        let merged: Vec<u32> = (0..130).map(|i| i % 2).collect();
+        for (generated, kept, merged) in [
+            (&generated, exact.clone(), vec![]),
+            (&generated, changed(0, 9), vec![]),
+            (&generated, changed(129, u32::MAX), vec![]),
+            (&far, changed(128, 0), vec![]),
+            (&generated, exact.clone(), merged.clone()),
+        ] {
+            let [mut one, mut all] = [Tally { kept: 3, generated: 5, ..Tally::default() }; 2];
+            for i in 0..130 {
+                let merged = merged.get(i).map_or(0, |&m| m);
+                one.pixel(generated[i], gone[i], kept[i] as usize, merged);
+            }
+            all.pixels([generated, &gone, &kept], &merged);
+            assert_eq!(all, one);
         }
     }
 

@@ -14,63 +14,7 @@ pub use crate::memory::complete;
 use crate::memory::{Memory, Order};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
-use crate::scheme::{Held, HeldKind, Holds, Outcome, Readback, Scheme};
-
-/// The outcomes of a batch, a byte for each fragment at its bit.
-#[derive(Clone, Debug)]
-pub struct Outcomes {
-    codes: [u8; 64],
-}
-
-impl Default for Outcomes {
-    fn default() -> Self {
-        Self { codes: [Outcome::Kept as u8; 64] }
-    }
-}
-
-impl Outcomes {
-    /// For another batch, of fragments at these bits. What is not set is kept.
-    #[inline]
-    pub fn reset(&mut self, mask: u64) {
-        if mask != u64::MAX {
-            *self = Self::default();
-        }
-    }
-
-    /// What became of the fragment at a bit.
-    #[inline]
-    pub fn set(&mut self, bit: u32, outcome: Outcome) {
-        self.codes[bit as usize & 63] = outcome as u8;
-    }
-
-    /// The bits of the fragments that were not kept.
-    #[inline]
-    #[must_use]
-    pub fn gone(&self) -> u64 {
-        const LOW: u64 = 0x7F7F_7F7F_7F7F_7F7F;
-        let mut gone = 0;
-        for (i, bytes) in self.codes.as_chunks().0.iter().enumerate() {
-            let bytes = u64::from_le_bytes(*bytes);
-            // The upper bit of every byte that is not 0, then these eight side by side.
-            let upper = (((bytes & LOW) + LOW) | bytes) & !LOW;
-            gone |= ((upper >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
-        }
-        gone
-    }
-
-    /// The code of the first one's.
-    #[must_use]
-    pub fn first(&self) -> u32 {
-        self.codes[0].into()
-    }
-
-    /// How many have this outcome, of at most 64; those at bits that are not set count as kept.
-    #[inline]
-    #[must_use]
-    pub fn count(&self, outcome: Outcome) -> u64 {
-        u64::from(self.codes.iter().map(|&code| u8::from(code == outcome as u8)).sum::<u8>())
-    }
-}
+use crate::scheme::{Held, HeldKind, Holds, Outcomes, Readback, Scheme};
 
 /// Where the lists of pixels end that lie one after another.
 #[derive(Clone, Debug, Default)]
@@ -174,6 +118,10 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
 
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) {
         outcomes.reset(batch.mask());
+        let block = mem.owned_block(batch.first());
+        if block.is_some_and(|block| self.store_block(&block, batch, outcomes)) {
+            return;
+        }
         for bit in bits(batch.mask()) {
             outcomes.set(bit, complete(Scheme::store(self, mem, batch.get(bit))));
         }
@@ -201,43 +149,5 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
 
     fn readback(&self) -> Option<Readback> {
         Scheme::readback(self)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn outcomes_are_counted_and_found_by_their_bits() {
-        let all = [
-            Outcome::Kept,
-            Outcome::Culled,
-            Outcome::Evicted,
-            Outcome::Overflow,
-            Outcome::Pool,
-            Outcome::Duplicate,
-            Outcome::Age,
-            Outcome::Merged,
-        ];
-        let mut outcomes = Outcomes::default();
-        for round in 0..8 {
-            outcomes.reset(u64::MAX);
-            let of = |bit: u32| all[((bit * bit + round) % 11 % 8) as usize];
-            (0..64).for_each(|bit| outcomes.set(bit, of(bit)));
-            for outcome in all {
-                let count = (0..64).filter(|&bit| of(bit) == outcome).count();
-                assert_eq!(outcomes.count(outcome), count as u64, "{outcome:?}");
-            }
-            let gone: u64 =
-                (0..64).filter(|&bit| of(bit) != Outcome::Kept).map(|bit| 1 << bit).sum();
-            assert_eq!(outcomes.gone(), gone);
-        }
-        outcomes.reset(5);
-        assert_eq!(
-            (outcomes.gone(), outcomes.count(Outcome::Kept)),
-            (0, 64),
-            "nothing is left over"
-        );
     }
 }

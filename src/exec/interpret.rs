@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::task::{Context, Poll, Waker};
 
-use super::drive::{Ends, Outcomes, Pipeline, complete};
+use super::drive::{Ends, Pipeline, complete};
 use super::method::Instance;
 use super::sim::turns::{Room, Stage, Stepped, Stores};
 use crate::error::Result;
@@ -16,7 +16,7 @@ use crate::memory::{Address, Counters, Inputs, Layout, Memory, Order, Pool, Upda
 use crate::raster::Batch;
 use crate::raster::batch::bits;
 use crate::scheme::task::{Ended, Task};
-use crate::scheme::{Held, Outcome, Readback};
+use crate::scheme::{Held, Outcome, Outcomes, Readback};
 
 /// An instance whose invocations are interpreted, with the inputs that they read.
 #[derive(Clone, Copy)]

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::account::Tally;
 use super::clock::Stopwatch;
-use super::drive::{Outcomes, Pipeline};
+use super::drive::Pipeline;
 use super::frame::finish::{Finisher, resolve_tile};
 use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts};
@@ -27,6 +27,7 @@ use crate::memory::native::Native;
 use crate::memory::{Counters, Inputs, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
+use crate::scheme::Outcomes;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
 

@@ -11,7 +11,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::account::Tally;
-use super::drive::{Outcomes, Pipeline};
+use super::drive::Pipeline;
 use super::frame::finish::{Finisher, resolve_tile};
 use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts, TileOutput};
@@ -23,6 +23,7 @@ use crate::memory::exclusive::Exclusive;
 use crate::memory::{Ahead, Counters, Layout, Observer};
 use crate::num::columns::Columns;
 use crate::raster::Batch;
+use crate::scheme::Outcomes;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 
 use super::layout::{At, Sizes};
 use super::word::{Atomics, Cells};
-use super::{Access, Atomic, Global, Kind, Order, Space, Update, Word, Words};
+use super::{Access, Atomic, Global, Kind, Order, Pixel, Space, Update, Word, Words};
 
 /// What an access outside of the words reads.
 const NOTHING: u64 = 0;
@@ -45,6 +45,36 @@ pub(super) struct OwnedView<'a> {
     words: Cells<'a>,
     stride: Sizes,
     outside: &'a Cell<u64>,
+}
+
+/// Some of the words of each of a block's pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a, W: Word> {
+    /// From the first pixel's first of them to the last one's last.
+    all: &'a [Cell<W>],
+    /// From a pixel's to the next one's.
+    stride: usize,
+    /// How many a pixel has.
+    count: usize,
+}
+
+impl<'a, W: Word> Rows<'a, W> {
+    /// Those of the pixel at a bit.
+    ///
+    /// # Panics
+    /// If a block has no such bit.
+    #[inline]
+    #[must_use]
+    pub fn of(&self, bit: u32) -> &'a [Cell<W>] {
+        let first = bit as usize * self.stride;
+        &self.all[first..first + self.count]
+    }
+
+    /// The only word that each of the pixels has of this width.
+    #[inline]
+    pub(super) fn single(&self) -> Option<&'a [Cell<W>; 64]> {
+        if (self.stride, self.count) == (1, 1) { self.all.first_chunk() } else { None }
+    }
 }
 
 /// The operations of every arena; each completes at once.
@@ -217,6 +247,30 @@ impl SharedView<'_> {
     fn miss<W: Word>(&self) -> W {
         self.outside.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         W::from_u64(NOTHING)
+    }
+}
+
+impl<'a> SharedView<'a> {
+    /// All words of a width.
+    #[inline]
+    pub(super) fn words<W: Word>(&self) -> &'a [W::Shared] {
+        W::shared(self.words)
+    }
+}
+
+impl<'a> OwnedView<'a> {
+    /// These words of each of 64 records, from `first` on.
+    #[inline]
+    pub(super) fn rows<K: Kind, W: Word>(
+        &self,
+        words: Words<Pixel, K, W>,
+        first: u32,
+    ) -> Option<Rows<'a, W>> {
+        let begin = index(&self.stride, words.at(first, 0));
+        let record = if W::BITS == 64 { self.stride.words64 } else { self.stride.words32 };
+        let (stride, count) = (record as usize, words.count() as usize);
+        let all = W::owned(self.words).get(begin..begin + 63 * stride + count)?;
+        Some(Rows { all, stride, count })
     }
 }
 

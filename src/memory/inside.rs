@@ -8,28 +8,34 @@
 use std::future::Future;
 use std::marker::PhantomData;
 
+use bytemuck::TransparentWrapper;
+
 use super::{
     Access, At, Atomic, Block, Event, InputAt, Kind, Mark, Memory, Order, Pool, Space, Update, Word,
 };
 
-/// A memory, inside of scheme `S`.
-#[derive(Debug)]
-pub struct Inside<'m, M, S> {
-    mem: &'m M,
+/// A memory, inside of scheme `S`. It is only ever seen through the reference to the memory: if a future held one of its
+/// own, and a reference to that, its whole state would have to be memory.
+#[derive(Debug, TransparentWrapper)]
+#[transparent(M)]
+#[repr(transparent)]
+pub struct Inside<M, S> {
+    mem: M,
     scheme: PhantomData<fn(S)>,
 }
 
-impl<'m, M, S> Inside<'m, M, S> {
+impl<M, S> Inside<M, S> {
     /// The memory that a scheme hands on.
+    #[allow(clippy::inline_always, reason = "see `Memory`")]
     #[inline(always)]
     #[must_use]
-    pub fn new(mem: &'m M) -> Self {
-        Self { mem, scheme: PhantomData }
+    pub fn of(mem: &M) -> &Self {
+        Self::wrap_ref(mem)
     }
 }
 
 #[allow(clippy::inline_always, reason = "see `Memory`")]
-impl<M: Memory, T> Memory for Inside<'_, M, T> {
+impl<M: Memory, T> Memory for Inside<M, T> {
     #[inline(always)]
     #[track_caller]
     fn read<S: Space, K: Kind, W: Word>(

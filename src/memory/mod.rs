@@ -17,6 +17,7 @@ pub mod arena;
 pub mod asked;
 mod both;
 pub mod count;
+mod each;
 pub mod exclusive;
 mod inside;
 pub mod layout;
@@ -31,6 +32,8 @@ use std::future::Future;
 
 pub use both::{Both, both, complete};
 pub use count::{Counters, Observer};
+pub use each::{Each, each};
+pub use exclusive::block::OwnedBlock;
 pub use inside::Inside;
 pub use layout::{
     Address, Ahead, At, Atomic, Declared, Global, Growing, Input, InputAt, Inputs, Kind, Layout,
@@ -258,6 +261,14 @@ pub trait Memory {
     #[track_caller]
     fn take(&self, pool: Pool) -> impl Future<Output = u32> + Unpin {
         self.update(pool.counter(), Update::Add(1), Order::Relaxed)
+    }
+
+    /// The words of the 64 pixels from `first` on, if this memory's worker owns them and nobody watches its operations:
+    /// for [`Scheme::store_block`](crate::scheme::Scheme::store_block). Not an operation.
+    #[inline(always)]
+    fn owned_block(&self, first: u32) -> Option<OwnedBlock<'_>> {
+        let _ = first;
+        None
     }
 
     /// `atomicLoad`

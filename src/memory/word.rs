@@ -40,6 +40,12 @@ pub trait Word:
     #[doc(hidden)]
     fn or(self, other: Self) -> Self;
     #[doc(hidden)]
+    type Shared: Debug + Sync;
+    #[doc(hidden)]
+    fn shared(atomics: Atomics<'_>) -> &[Self::Shared];
+    #[doc(hidden)]
+    fn put(word: &Self::Shared, value: Self);
+    #[doc(hidden)]
     fn owned(cells: Cells<'_>) -> &[Cell<Self>];
     #[doc(hidden)]
     fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Option<Self>;
@@ -88,6 +94,18 @@ macro_rules! word {
             #[inline(always)]
             fn or(self, other: Self) -> Self {
                 self | other
+            }
+
+            type Shared = $atomic;
+
+            #[inline(always)]
+            fn shared(atomics: Atomics<'_>) -> &[$atomic] {
+                atomics.$half
+            }
+
+            #[inline(always)]
+            fn put(word: &$atomic, value: Self) {
+                word.store(value, Ordering::Relaxed);
             }
 
             #[inline(always)]

@@ -30,7 +30,14 @@ pub fn rgba8(rgb: [f32; 3], alpha: f32) -> u32 {
 #[inline]
 #[must_use]
 pub fn srgb(linear: u16) -> u8 {
-    SRGB[usize::from(linear)]
+    srgb_table()[usize::from(linear)]
+}
+
+/// [`srgb`] of every channel, for loops: to ask whether the table is there costs more than to look something up in it.
+#[inline]
+#[must_use]
+pub fn srgb_table() -> &'static [u8; 65_536] {
+    &SRGB
 }
 
 /// The 16-bit sRGB value of a linear 16-bit channel.
@@ -54,8 +61,8 @@ pub fn linear_of(byte: u8) -> f64 {
 static LINEAR: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f64 / 255.0)));
 
-static SRGB: LazyLock<Vec<u8>> =
-    LazyLock::new(|| (0..=u16::MAX).map(|c| (encoded(c) * 255.0 + 0.5) as u8).collect());
+static SRGB: LazyLock<[u8; 65_536]> =
+    LazyLock::new(|| std::array::from_fn(|c| (encoded(c as u16) * 255.0 + 0.5) as u8));
 
 static SRGB16: LazyLock<Vec<u16>> =
     LazyLock::new(|| (0..=u16::MAX).map(|c| (encoded(c) * 65_535.0 + 0.5) as u16).collect());

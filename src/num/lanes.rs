@@ -17,6 +17,8 @@ static ARCH: LazyLock<Arch> = LazyLock::new(|| {
 });
 
 /// Do `work`, compiled for the widest vectors of this machine. What it calls is compiled so only where it is inlined.
+/// What a loop sums up must be its own and returned: a sum outside of `work` is a reference to memory, and the loop stays
+/// scalar.
 #[allow(clippy::inline_always, reason = "what is not inlined is not compiled for these vectors")]
 #[inline(always)]
 pub fn wide<R>(work: impl FnOnce() -> R) -> R {

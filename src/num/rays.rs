@@ -5,11 +5,30 @@
     reason = "loops over lanes, all of the same length, become vectors"
 )]
 
-use super::color::srgb;
+use super::color::srgb_table;
 use super::ray::Ray;
 
 /// How many.
 pub const RAYS: usize = 8;
+
+/// The linear light of eight, channel by channel.
+pub type Lights = [[u16; RAYS]; 3];
+
+/// The opaque sRGB pixels of linear light. They are apart from what makes the light, since a loop with both in it
+/// becomes no vectors.
+#[inline]
+pub fn pixels(all: &[Lights]) -> impl Iterator<Item = [[u8; 4]; RAYS]> + '_ {
+    let srgb = srgb_table();
+    all.iter().map(|lights| {
+        let mut pixels = [[255; 4]; RAYS];
+        for i in 0..RAYS {
+            for c in 0..3 {
+                pixels[i][c] = srgb[usize::from(lights[c][i])];
+            }
+        }
+        pixels
+    })
+}
 
 /// Eight rays, part by part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,23 +72,20 @@ impl Rays {
         self.transmittance.iter().fold(0, |all, t| all | t) == 0
     }
 
-    /// Meet the background, and encode to opaque sRGB pixels.
+    /// Meet the background: the linear light that reaches the eye, channel by channel.
     #[inline(always)]
     #[must_use]
-    pub fn finish(&self, background: [u16; 3]) -> [[u8; 4]; RAYS] {
-        let mut light = [[0; RAYS]; 3];
+    pub fn before(&self, background: [u16; 3]) -> Lights {
+        let mut lights = [[0; RAYS]; 3];
         for c in 0..3 {
             let behind = u32::from(background[c]);
             for i in 0..RAYS {
                 // At most 65,535 x 65,535 + 32,767 < 2^32.
                 let passes = (self.transmittance[i] * behind + 32_767) / 65_535;
-                light[c][i] = (self.color[c][i] + passes).min(65_535);
+                lights[c][i] = (self.color[c][i] + passes).min(65_535) as u16;
             }
         }
-        std::array::from_fn(|i| {
-            let [r, g, b] = [0, 1, 2].map(|c| srgb(light[c][i] as u16));
-            [r, g, b, 255]
-        })
+        lights
     }
 
     /// One of them.
@@ -104,7 +120,9 @@ mod tests {
             prop_assert_eq!(narrow, all);
             for (i, ray) in one.into_iter().enumerate() {
                 prop_assert_eq!(all.ray(i), ray);
-                prop_assert_eq!(all.finish([0, 14_028, 65_535])[i], ray.finish([0, 14_028, 65_535]));
+                let lights = [all.before([0, 14_028, 65_535])];
+                let pixels: Vec<_> = pixels(&lights).collect();
+                prop_assert_eq!(pixels[0][i], ray.finish([0, 14_028, 65_535]));
             }
             prop_assert_eq!(all.are_opaque(), one.iter().all(Ray::is_opaque));
         }

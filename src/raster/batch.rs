@@ -99,6 +99,27 @@ impl Batch {
         self.mask
     }
 
+    /// The place of the block's first pixel in the executor's storage, which has the fragment of bit 0.
+    #[inline]
+    #[must_use]
+    pub fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// The depth words, each at its bit; places whose bit is not set hold anything.
+    #[inline]
+    #[must_use]
+    pub fn depths(&self) -> &[u32; 64] {
+        &self.depths
+    }
+
+    /// The data words, in the same way.
+    #[inline]
+    #[must_use]
+    pub fn data(&self) -> &[u32; 64] {
+        &self.data.lanes
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

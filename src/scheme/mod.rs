@@ -29,6 +29,7 @@ pub mod k_buffer;
 pub mod kplus_buffer;
 mod listed;
 pub mod merging;
+mod outcomes;
 pub mod parts;
 pub mod peeling;
 pub mod program;
@@ -40,13 +41,14 @@ use std::future::Future;
 
 pub use contract::{Contract, Form, Keeps};
 pub use held::{Depth, Held, HeldKind, Holds, Keys, Light};
+pub use outcomes::Outcomes;
 pub use record::{Record, Scale, Single, Whole};
 pub use records::Records;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Inputs, Layout, Memory, Pixel, Snapshot, Words};
+use crate::memory::{Atomic, Global, Inputs, Layout, Memory, OwnedBlock, Pixel, Snapshot, Words};
 use crate::num::planes::Distances;
-use crate::raster::Grid;
+use crate::raster::{Batch, Grid};
 
 /// What a scheme is configured with. The scene's numbers are 0 unless the contract asks for them (`Contract::demand`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -193,6 +195,14 @@ pub trait Scheme: Send + Sync + Sized + 'static {
     /// Store pass, one invocation per fragment. Where the program repeats, what it says of a fragment in the last
     /// round is what became of it.
     fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> impl Future<Output = Outcome>;
+
+    /// Store a block's fragments at once, if that is known to be faster: the words and the outcomes are those of
+    /// [`Self::store`] for one after another, from the lowest bit on. No other invocation reaches the block's words
+    /// meanwhile. Gives whether it did so; if not, nothing has changed.
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let _ = (block, batch, outcomes);
+        false
+    }
 
     /// What must be true of a pixel's words, beyond what every method promises; checks look at it in every state.
     ///

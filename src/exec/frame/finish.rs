@@ -9,8 +9,11 @@ use crate::exec::drive::{Ends, Pipeline};
 use crate::fragment::{Data, data_of, depth_of, places};
 use crate::num::lanes::wide;
 use crate::num::ray::Ray;
-use crate::num::rays::{RAYS, Rays};
+use crate::num::rays::{RAYS, Rays, pixels};
 use crate::scheme::{Held, Records};
+
+/// Pixels that are composited before any of them is encoded, in units of [`RAYS`].
+const AT_ONCE: usize = 16;
 
 /// Merged records of a pixel that room is made for: the `-k` that is usual.
 const USUAL: u32 = 8;
@@ -177,15 +180,10 @@ impl<'a> Finisher<'a> {
         }
         let Self { job, mut output, ends, counts, .. } = self;
         if matches!(output.column, Column::Keys(_) | Column::Records(_)) {
-            let Ends { mut entries, merged } = ends;
-            let mut before = [0, 0];
-            for (i, end) in entries.iter_mut().enumerate() {
-                let now = [*end, merged.get(i).copied().unwrap_or(0)];
-                *end -= before[0];
-                let (generated, gone) = (counts.generated[i], counts.gone[i]);
-                output.tally.pixel(generated, gone, *end as usize, now[1] - before[1]);
-                before = now;
-            }
+            let Ends { mut entries, mut merged } = ends;
+            differences(&mut entries);
+            differences(&mut merged);
+            output.tally.pixels([&counts.generated, &counts.gone, &entries], &merged);
             output.counts = entries;
         }
         output.tally.merge(reports);
@@ -196,7 +194,15 @@ impl<'a> Finisher<'a> {
     }
 }
 
-/// Composite every pixel's sorted entries, [`RAYS`] pixels at a time. `color` knows the colour of a pixel's entry in a
+/// From where each ends to how many each has.
+fn differences(ends: &mut [u32]) {
+    let mut before = 0;
+    for end in ends {
+        (before, *end) = (*end, *end - before);
+    }
+}
+
+/// Composite every pixel's sorted entries, [`RAYS`] pixels at a time, of which a tile has a multiple. `color` knows the colour of a pixel's entry in a
 /// place. Of some pixels' places together, `merged` knows whether any has more to it than a colour; if so, `ray` knows how
 /// to composite one pixel's.
 #[inline]
@@ -207,44 +213,67 @@ fn composite(
     color: impl Fn(u32, usize) -> u32,
     (merged, ray): (impl Fn(Range<usize>) -> bool, impl Fn(Range<usize>) -> Ray),
 ) {
-    let nothing = Ray::default().finish(job.background);
-    wide(
-        #[inline(always)]
-        || {
-            let mut first = 0;
-            for (ends, local) in ends.chunks(RAYS).zip((0..).step_by(RAYS)) {
-                let start = first;
-                let mut ends_at = [0; RAYS];
-                let starts: [usize; RAYS] = std::array::from_fn(|i| {
-                    let own = first;
-                    first = ends.get(i).map_or(first, |&end| end as usize);
-                    ends_at[i] = first;
-                    own
-                });
-                if start == first {
-                    colors.extend([nothing; RAYS]);
-                    continue;
-                }
-                if merged(start..first) {
-                    let ray = |i: usize| ray(starts[i]..ends_at[i]).finish(job.background);
-                    colors.extend((0..RAYS).map(ray));
-                    continue;
-                }
-                let counts: [usize; RAYS] = std::array::from_fn(|i| ends_at[i] - starts[i]);
-                let mut rays = Rays::default();
-                for entry in 0..counts.into_iter().max().unwrap_or(0) {
-                    rays.over(std::array::from_fn(|i| {
-                        let own = entry < counts[i];
-                        if own { color(local + i as u32, starts[i] + entry) } else { 0 }
-                    }));
-                    if rays.are_opaque() {
-                        break;
+    let nothing = Rays::default().before(job.background);
+    let mut first = 0;
+    for (ends, local) in ends.chunks(AT_ONCE * RAYS).zip((0..).step_by(AT_ONCE * RAYS)) {
+        let mut lights = [nothing; AT_ONCE];
+        wide(
+            #[inline(always)]
+            || {
+                let all = ends.as_chunks::<RAYS>().0.iter().zip((local..).step_by(RAYS));
+                for (lights, (ends, local)) in lights.iter_mut().zip(all) {
+                    let mut begins = [first; RAYS];
+                    begins[1..].copy_from_slice(&ends[..RAYS - 1]);
+                    first = ends[RAYS - 1];
+                    let all = begins[0] as usize..first as usize;
+                    if all.is_empty() {
+                        continue;
                     }
+                    if merged(all) {
+                        for i in 0..RAYS {
+                            let ray = ray(begins[i] as usize..ends[i] as usize);
+                            let light = ray.before(job.background);
+                            (0..3).for_each(|c| lights[c][i] = light[c]);
+                        }
+                        continue;
+                    }
+                    let rays = through(&begins, ends, |i, place| color(local + i as u32, place));
+                    *lights = rays.before(job.background);
                 }
-                colors.extend(rays.finish(job.background));
+            },
+        );
+        pixels(&lights[..ends.len() / RAYS]).for_each(|pixels| colors.extend(pixels));
+    }
+}
+
+/// Rays through the entries of [`RAYS`] pixels, which have these places each.
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
+fn through(begins: &[u32; RAYS], ends: &[u32; RAYS], color: impl Fn(usize, usize) -> u32) -> Rays {
+    let counts: [u32; RAYS] = std::array::from_fn(|i| ends[i] - begins[i]);
+    let (least, most) =
+        counts.iter().fold((u32::MAX, 0), |(low, high), &n| (low.min(n), high.max(n)));
+    let mut rays = Rays::default();
+    for entry in 0..most {
+        let mut words = [0; RAYS];
+        // As long as all of them have one, nothing is asked.
+        if entry < least {
+            for i in 0..RAYS {
+                words[i] = color(i, (begins[i] + entry) as usize);
             }
-        },
-    );
+        } else {
+            for i in 0..RAYS {
+                if entry < counts[i] {
+                    words[i] = color(i, (begins[i] + entry) as usize);
+                }
+            }
+        }
+        rays.over(words);
+        if rays.are_opaque() {
+            break;
+        }
+    }
+    rays
 }
 
 /// Resolve a tile's pixels, the first of which is `first` in memory.

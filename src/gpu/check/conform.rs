@@ -10,7 +10,7 @@ use wgpu::{BufferUsages, ShaderStages};
 
 use super::seen::{Judged, Seen, difference};
 use crate::exec::Instance;
-use crate::exec::drive::{Outcomes, Pipeline};
+use crate::exec::drive::Pipeline;
 use crate::exec::interpret::Interpreted;
 use crate::explore::Subject;
 use crate::explore::program::instances::{Family, instances};
@@ -32,7 +32,7 @@ use crate::raster::{Batch, Record};
 use crate::scheme::contract::Contract;
 use crate::scheme::course::{Course, Part};
 use crate::scheme::program::PassKind;
-use crate::scheme::{Config, HeldKind};
+use crate::scheme::{Config, HeldKind, Outcomes};
 
 /// Room for a fragment in its buffer: the alignment that devices require of offsets.
 const SLOT: u64 = 256;

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::bounds::Bounds;
-use crate::exec::drive::{Outcomes, Pipeline};
+use crate::exec::drive::Pipeline;
 use crate::exec::interpret::Interpreted;
 use crate::exec::promise::Promise;
 use crate::exec::{Instance, Method};
@@ -15,7 +15,7 @@ use crate::memory::exclusive::Exclusive;
 use crate::raster::Batch;
 use crate::scheme::approximate::{mbt, passing};
 use crate::scheme::program::PassKind;
-use crate::scheme::{Config, Contract, Held, HeldKind, Light};
+use crate::scheme::{Config, Contract, Held, HeldKind, Light, Outcomes};
 
 /// The numbers that a method that approximates looks up by opacity (`approximate/table.wgsl`); `None` for others.
 #[must_use]

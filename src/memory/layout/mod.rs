@@ -10,6 +10,7 @@ pub mod names;
 pub mod pool;
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use self::names::Names;
 use super::word::Word;
@@ -135,6 +136,14 @@ impl<K, W> Words<Global, K, W> {
     #[must_use]
     pub fn index_of(self, word: u64) -> Option<u64> {
         word.checked_sub(self.first).filter(|&index| index < self.count)
+    }
+
+    /// The places, among the frame's words of its width, of `count` words of the run from `first` on; `None` if it has
+    /// not so many.
+    #[inline]
+    pub(super) fn run(self, first: u64, count: u64) -> Option<Range<usize>> {
+        let begin = (self.first + first) as usize;
+        (first + count <= self.count).then(|| begin..begin + count as usize)
     }
 }
 

@@ -63,6 +63,19 @@ impl Ahead {
         self.left.set(count);
     }
 
+    /// The first of so many, if there are so many left.
+    #[inline(always)]
+    pub(in crate::memory) fn first(&self, count: u32) -> Option<u32> {
+        (self.left.get() >= count).then(|| self.next.get())
+    }
+
+    /// Leave so many out, of those that are left.
+    #[inline(always)]
+    pub(in crate::memory) fn skip(&self, count: u32) {
+        self.left.set(self.left.get() - count);
+        self.next.set(self.next.get().wrapping_add(count));
+    }
+
     /// The next one, if there is one.
     #[inline(always)]
     pub(in crate::memory) fn next(&self) -> Option<u32> {

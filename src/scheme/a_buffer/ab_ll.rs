@@ -8,9 +8,10 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Layout, Memory, Order, Snapshot};
+use crate::memory::{Layout, Memory, Order, OwnedBlock, Snapshot};
+use crate::raster::Batch;
 use crate::scheme::parts::list::Lists;
-use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Outcomes, Scheme};
 
 /// The correct form, or a fault in it.
 pub trait Variant: Send + Sync + 'static {
@@ -134,6 +135,15 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
             lists.fill(mem, node, fragment).await;
         }
         Outcome::Kept
+    }
+
+    /// Every form: without others, and where there are nodes enough, they do the same.
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let stored = self.lists.push_block(block, batch);
+        if stored {
+            outcomes.assign([]);
+        }
+        stored
     }
 
     /// In the end, the list ends: within the pool, and without a cycle.

@@ -144,7 +144,7 @@ impl<V: Variant> Scheme for HaCull<V> {
     }
 
     async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
-        self.base.frame(&Inside::<_, Self>::new(mem), pass, index).await;
+        self.base.frame(Inside::<_, Self>::of(mem), pass, index).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
@@ -208,6 +208,6 @@ impl<V: Variant> Scheme for HaCull<V> {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        self.base.resolve(&Inside::<_, Self>::new(mem), pixel, keys).await;
+        self.base.resolve(Inside::<_, Self>::of(mem), pixel, keys).await;
     }
 }

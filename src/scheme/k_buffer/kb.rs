@@ -7,10 +7,12 @@
 //! torn records come from. Entries are sorted front to back; empty ones hold the largest key and stay last.
 
 use crate::fragment::{Fragment, data_of, depth_of, key};
-use crate::memory::{Layout, Memory, Pixel, Plain, Snapshot, Words};
+use crate::memory::{Layout, Memory, OwnedBlock, Pixel, Plain, Snapshot, Words};
 use crate::num::depth::EMPTY;
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::contract::{Dependence, Form, Keeps};
-use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Outcomes, Scheme};
 
 /// Registers for entries: 4 times what eight render targets held in 2007.
 const MAX_K: usize = 64;
@@ -24,6 +26,17 @@ pub(super) fn insert(entries: &mut [u64], mut carried: u64) -> u64 {
         }
     }
     carried
+}
+
+/// What became of a fragment, by the key that no longer fits.
+fn outcome(pushed_out: u64, own: u64) -> Outcome {
+    if pushed_out == own {
+        Outcome::Culled
+    } else if depth_of(pushed_out) == EMPTY {
+        Outcome::Kept
+    } else {
+        Outcome::Evicted
+    }
 }
 
 /// The method.
@@ -73,6 +86,10 @@ impl Scheme for KBuffer {
         with_entries!(self.k, MOST => mem.part(self.insert::<_, MOST>(mem, fragment)).await)
     }
 
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        with_entries!(self.k, MOST => self.insert_all::<MOST>(block, batch, outcomes))
+    }
+
     /// In the end, entries are sorted front to back and empty ones come last. Invocations that overlap break that too:
     /// each writes its own sorted entries, and what remains is a mixture.
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
@@ -110,12 +127,12 @@ impl Scheme for KBuffer {
     }
 }
 
+#[allow(
+    clippy::needless_range_loop,
+    reason = "an iterator would point into the invocation's state; a block's loops look like those"
+)]
 impl KBuffer {
     /// The store pass with room for `MOST` entries: fewer than [`MAX_K`] are k itself.
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "an iterator would point into the invocation's state"
-    )]
     async fn insert<M: Memory, const MOST: usize>(&self, mem: &M, fragment: Fragment) -> Outcome {
         let k = if MOST < MAX_K { MOST } else { self.k as usize };
         let mut entries = [0; MOST];
@@ -129,13 +146,38 @@ impl KBuffer {
             mem.plain_store(self.depth.at(fragment.pixel, i as u32), depth_of(entries[i])).await;
             mem.plain_store(self.data.at(fragment.pixel, i as u32), data_of(entries[i])).await;
         }
-        if pushed_out == fragment.key() {
-            Outcome::Culled
-        } else if depth_of(pushed_out) == EMPTY {
-            Outcome::Kept
-        } else {
-            Outcome::Evicted
+        outcome(pushed_out, fragment.key())
+    }
+
+    /// The same of a whole block.
+    fn insert_all<const MOST: usize>(
+        &self,
+        block: &OwnedBlock<'_>,
+        batch: &Batch,
+        outcomes: &mut Outcomes,
+    ) -> bool {
+        let k = if MOST < MAX_K { MOST } else { self.k as usize };
+        let (Some(depths), Some(data)) = (block.rows(self.depth), block.rows(self.data)) else {
+            return false;
+        };
+        let [mut culled, mut evicted] = [0; 2];
+        for bit in bits(batch.mask()) {
+            let (depths, data) = (&depths.of(bit)[..k], &data.of(bit)[..k]);
+            let mut entries = [0; MOST];
+            for i in 0..k {
+                entries[i] = key(depths[i].get(), data[i].get());
+            }
+            let own = batch.get(bit).key();
+            let outcome = outcome(insert(&mut entries[..k], own), own);
+            for i in 0..k {
+                depths[i].set(depth_of(entries[i]));
+                data[i].set(data_of(entries[i]));
+            }
+            culled |= u64::from(outcome == Outcome::Culled) << bit;
+            evicted |= u64::from(outcome == Outcome::Evicted) << bit;
         }
+        outcomes.assign([(culled, Outcome::Culled), (evicted, Outcome::Evicted)]);
+        true
     }
 }
 

@@ -7,13 +7,14 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Inside, Layout, Memory, Pixel, Snapshot, Words};
+use crate::memory::{Atomic, Inside, Layout, Memory, OwnedBlock, Pixel, Snapshot, Words};
+use crate::raster::Batch;
 use crate::scheme::a_buffer::ab_array::{AbArray, AtomicAdd};
 use crate::scheme::a_buffer::ab_ll::{self, AbLinkedList};
 use crate::scheme::a_buffer::s_buffer::{self, SBuffer};
 use crate::scheme::contract::{Accounting, Keeps, Overflow};
 use crate::scheme::parts::select;
-use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Moment, Outcome, Outcomes, Scheme};
 
 /// An A-buffer from which k are selected.
 pub trait Base: Scheme<Holds = Keys> {
@@ -131,15 +132,15 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
-        self.all.clear_frame(&Inside::<_, Self>::new(mem)).await;
+        self.all.clear_frame(Inside::<_, Self>::of(mem)).await;
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        self.all.clear(&Inside::<_, Self>::new(mem), pixel).await;
+        self.all.clear(Inside::<_, Self>::of(mem), pixel).await;
     }
 
     async fn prepare<M: Memory>(&self, mem: &M, pass: usize, fragment: Fragment) {
-        self.all.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
+        self.all.prepare(Inside::<_, Self>::of(mem), pass, fragment).await;
     }
 
     fn counts(&self, pass: usize) -> Option<Words<Pixel, Atomic, u32>> {
@@ -147,7 +148,7 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     }
 
     async fn screen<M: Memory>(&self, mem: &M, pass: usize, pixel: u32) {
-        self.all.screen(&Inside::<_, Self>::new(mem), pass, pixel).await;
+        self.all.screen(Inside::<_, Self>::of(mem), pass, pixel).await;
     }
 
     fn invocations(&self, pass: usize) -> u32 {
@@ -155,11 +156,15 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
     }
 
     async fn frame<M: Memory>(&self, mem: &M, pass: usize, index: u32) {
-        self.all.frame(&Inside::<_, Self>::new(mem), pass, index).await;
+        self.all.frame(Inside::<_, Self>::of(mem), pass, index).await;
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        self.all.store(&Inside::<_, Self>::new(mem), fragment).await
+        self.all.store(Inside::<_, Self>::of(mem), fragment).await
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        self.all.store_block(block, batch, outcomes)
     }
 
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
@@ -168,7 +173,7 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         let first = keys.len();
-        self.all.resolve(&Inside::<_, Self>::new(mem), pixel, keys).await;
+        self.all.resolve(Inside::<_, Self>::of(mem), pixel, keys).await;
         C::cut(keys, first, self.k as usize);
     }
 }

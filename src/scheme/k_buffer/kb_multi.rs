@@ -16,7 +16,7 @@ use std::marker::PhantomData;
 
 use super::kb::insert;
 use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Plain, Words, both, each};
 use crate::num::depth::EMPTY;
 use crate::scheme::contract::{Accounting, Keeps};
 use crate::scheme::program::{Barrier, Pass, PassKind, Program};
@@ -128,7 +128,7 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        self.begin(mem, pixel, 0, self.k).await;
+        self.begin::<_, Self>(mem, pixel, 0, self.k).await;
     }
 
     async fn prepare<M: Memory>(&self, mem: &M, _: usize, fragment: Fragment) {
@@ -150,10 +150,6 @@ impl<V: Variant> Scheme for KBufferMulti<V> {
 }
 
 /// Passes with room for `MOST` entries, as in `kb`.
-#[allow(
-    clippy::needless_range_loop,
-    reason = "an iterator would point into the invocation's state"
-)]
 impl<V: Variant> KBufferMulti<V> {
     fn k<const MOST: usize>(&self) -> usize {
         if MOST < MAX_K { MOST } else { self.k as usize }
@@ -165,14 +161,11 @@ impl<V: Variant> KBufferMulti<V> {
             return;
         }
         let k = self.k::<MOST>();
-        let mut entries = [0; MOST];
-        for i in 0..k {
-            entries[i] = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
-        }
+        let words = self.entries;
+        let at = move |i| words.at(pixel, i as u32);
+        let mut entries = each::<MOST, _, _>(k, move |i| mem.load(at(i), Order::Relaxed)).await;
         insert(&mut entries[..k], key);
-        for i in 0..k {
-            mem.store(self.entries.at(pixel, i as u32), entries[i], Order::Relaxed).await;
-        }
+        each::<MOST, _, _>(k, move |i| mem.store(at(i), entries[i], Order::Relaxed)).await;
     }
 
     async fn verify<M: Memory, const MOST: usize>(&self, mem: &M, fragment: Fragment) {
@@ -185,10 +178,9 @@ impl<V: Variant> KBufferMulti<V> {
             return;
         }
         let k = self.k::<MOST>();
-        let mut entries = [0; MOST];
-        for i in 0..k {
-            entries[i] = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
-        }
+        let words = self.entries;
+        let at = move |i| words.at(pixel, i as u32);
+        let entries = each::<MOST, _, _>(k, move |i| mem.load(at(i), Order::Relaxed)).await;
         if let Some(i) = entries[..k].iter().position(|&entry| entry == key) {
             mem.add(self.counts.at(pixel, i as u32), 1, Order::Relaxed).await;
         } else if has_room(&entries, k, key) {
@@ -203,12 +195,12 @@ impl<V: Variant> KBufferMulti<V> {
         let missing = mem.load(self.missing.at(pixel, 0), Order::Relaxed).await;
         let missing = if V::VERIFIED { missing } else { NONE };
         let k = self.k::<MOST>();
-        let mut layers = [(NONE, 0); MOST];
-        for i in 0..k {
-            let entry = mem.load(self.entries.at(pixel, i as u32), Order::Relaxed).await;
-            let count = mem.load(self.counts.at(pixel, i as u32), Order::Relaxed).await;
-            layers[i] = (entry, count);
-        }
+        let (words, counts) = (self.entries, self.counts);
+        let read = move |i| {
+            let (entry, count) = (words.at(pixel, i as u32), counts.at(pixel, i as u32));
+            both(mem.load(entry, Order::Relaxed), mem.load(count, Order::Relaxed))
+        };
+        let mut layers = each::<MOST, _, _>(k, read).await;
         let mut left = mem.plain_load(self.left.at(pixel, 0)).await;
         // The layer of the round before comes first, whatever is there now.
         layers[..k].sort_unstable();
@@ -221,19 +213,22 @@ impl<V: Variant> KBufferMulti<V> {
             }
         }
         let ends = left == 0 || missing == NONE;
-        self.begin(mem, pixel, if ends { NONE } else { missing + 1 }, left).await;
+        self.begin::<_, (Self,)>(mem, pixel, if ends { NONE } else { missing + 1 }, left).await;
     }
 
     /// Begin a round at a key, with so many fragments to be emitted.
-    async fn begin<M: Memory>(&self, mem: &M, pixel: u32, from: u64, left: u32) {
+    #[allow(clippy::extra_unused_type_parameters, reason = "see `Inside`")]
+    async fn begin<M: Memory, Caller>(&self, mem: &M, pixel: u32, from: u64, left: u32) {
         mem.plain_store(self.from.at(pixel, 0), from).await;
         mem.plain_store(self.left.at(pixel, 0), left).await;
         mem.store(self.equal.at(pixel, 0), 0, Order::Relaxed).await;
         mem.store(self.missing.at(pixel, 0), NONE, Order::Relaxed).await;
-        for i in 0..self.k {
-            mem.store(self.entries.at(pixel, i), NONE, Order::Relaxed).await;
-            mem.store(self.counts.at(pixel, i), 0, Order::Relaxed).await;
-        }
+        let (words, counts) = (self.entries, self.counts);
+        let clear = move |i| {
+            let (entry, count) = (words.at(pixel, i as u32), counts.at(pixel, i as u32));
+            both(mem.store(entry, NONE, Order::Relaxed), mem.store(count, 0, Order::Relaxed))
+        };
+        each::<MAX_K, _, _>(self.k as usize, clear).await;
     }
 }
 

@@ -4,10 +4,12 @@
 use std::marker::PhantomData;
 
 use crate::fragment::{Fragment, key};
-use crate::memory::{Atomic, Layout, Memory, Order, Pixel, Words};
+use crate::memory::{Atomic, Layout, Memory, Order, OwnedBlock, Pixel, Words};
 use crate::num::depth::{EMPTY, FARTHEST};
+use crate::num::lanes::wide;
+use crate::raster::Batch;
 use crate::scheme::contract::Keeps;
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Outcome, Outcomes, Scheme};
 
 /// The correct form, or a fault in it.
 pub trait Variant: Send + Sync + 'static {
@@ -31,6 +33,12 @@ pub enum ClearedToFarPlane {}
 /// A load, a comparison and a store: another invocation may have written a nearer key in between.
 #[derive(Debug)]
 pub enum LoadStore {}
+
+/// A block of fewer fragments is stored one by one, which is as fast.
+const FEW: u32 = 16;
+
+/// From an unsigned number to a signed one of the same order.
+const SIGN: u64 = 1 << 63;
 
 /// Depth in the upper half of one word per pixel, data in the lower.
 #[derive(Debug)]
@@ -77,6 +85,12 @@ impl Variant for LoadStore {
     const ATOMIC_MIN: bool = false;
 }
 
+#[allow(clippy::inline_always, reason = "see `lanes`")]
+#[inline(always)]
+fn all_bits(all: bool) -> u64 {
+    u64::from(all).wrapping_neg()
+}
+
 impl<V: Variant> Scheme for ZBuffer<V> {
     const CONTRACT: Contract = V::CONTRACT;
 
@@ -108,6 +122,36 @@ impl<V: Variant> Scheme for ZBuffer<V> {
         } else {
             Outcome::Evicted
         }
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let (mask, depths, data) = (batch.mask(), batch.depths(), batch.data());
+        if mask.count_ones() < FEW {
+            return false;
+        }
+        let Some(nearest) = block.pixels(self.nearest) else { return false };
+        let [nearer, evicted] = wide(
+            #[inline(always)]
+            || {
+                let [mut all, mut evicted] = [0; 2];
+                for bit in 0..64 {
+                    let old = nearest[bit].get();
+                    // What is not there is farther than any fragment.
+                    let absent = (mask >> bit & 1).wrapping_sub(1);
+                    let own = key(depths[bit], data[bit]) | absent;
+                    // Whether it is nearer, in all bits. Vectors compare signed numbers only, and a choice between two
+                    // values would become a masked store, which is slow.
+                    let nearer = all_bits((own ^ SIGN).cast_signed() < (old ^ SIGN).cast_signed());
+                    nearest[bit].set(old ^ (old ^ own) & nearer);
+                    all |= nearer & 1 << bit;
+                    evicted |= nearer & 1 << bit & all_bits(old != V::CLEARED);
+                }
+                [all, evicted]
+            },
+        );
+        let culled = mask & !nearer;
+        outcomes.assign([(culled, Outcome::Culled), (evicted, Outcome::Evicted)]);
+        true
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {

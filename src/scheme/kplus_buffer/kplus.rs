@@ -37,18 +37,18 @@ impl Scheme for KPlus {
     }
 
     async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
-        let mem = Inside::<_, Self>::new(mem);
+        let mem = Inside::<_, Self>::of(mem);
         match self {
-            Self::Array(array) => array.clear(&mem, pixel).await,
-            Self::Heap(heap) => heap.clear(&mem, pixel).await,
+            Self::Array(array) => array.clear(mem, pixel).await,
+            Self::Heap(heap) => heap.clear(mem, pixel).await,
         }
     }
 
     async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
-        let mem = Inside::<_, Self>::new(mem);
+        let mem = Inside::<_, Self>::of(mem);
         match self {
-            Self::Array(array) => mem.part(array.store(&mem, fragment)).await,
-            Self::Heap(heap) => mem.part(heap.store(&mem, fragment)).await,
+            Self::Array(array) => mem.part(array.store(mem, fragment)).await,
+            Self::Heap(heap) => mem.part(heap.store(mem, fragment)).await,
         }
     }
 
@@ -60,10 +60,10 @@ impl Scheme for KPlus {
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
-        let mem = Inside::<_, Self>::new(mem);
+        let mem = Inside::<_, Self>::of(mem);
         match self {
-            Self::Array(array) => array.resolve(&mem, pixel, keys).await,
-            Self::Heap(heap) => heap.resolve(&mem, pixel, keys).await,
+            Self::Array(array) => array.resolve(mem, pixel, keys).await,
+            Self::Heap(heap) => heap.resolve(mem, pixel, keys).await,
         }
     }
 }

@@ -83,15 +83,15 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn clear_frame<Mem: Memory>(&self, mem: &Mem) {
-        self.store.clear_frame(&Inside::<_, Self>::new(mem)).await;
+        self.store.clear_frame(Inside::<_, Self>::of(mem)).await;
     }
 
     async fn clear<Mem: Memory>(&self, mem: &Mem, pixel: u32) {
-        self.store.clear(&Inside::<_, Self>::new(mem), pixel).await;
+        self.store.clear(Inside::<_, Self>::of(mem), pixel).await;
     }
 
     async fn prepare<Mem: Memory>(&self, mem: &Mem, pass: usize, fragment: Fragment) {
-        self.store.prepare(&Inside::<_, Self>::new(mem), pass, fragment).await;
+        self.store.prepare(Inside::<_, Self>::of(mem), pass, fragment).await;
     }
 
     fn counts(&self, pass: usize) -> Option<Words<Pixel, Atomic, u32>> {
@@ -99,7 +99,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn screen<Mem: Memory>(&self, mem: &Mem, pass: usize, pixel: u32) {
-        self.store.screen(&Inside::<_, Self>::new(mem), pass, pixel).await;
+        self.store.screen(Inside::<_, Self>::of(mem), pass, pixel).await;
     }
 
     fn invocations(&self, pass: usize) -> u32 {
@@ -107,7 +107,7 @@ impl<M: Merge> Scheme for DfbMerged<M> {
     }
 
     async fn frame<Mem: Memory>(&self, mem: &Mem, pass: usize, index: u32) {
-        self.store.frame(&Inside::<_, Self>::new(mem), pass, index).await;
+        self.store.frame(Inside::<_, Self>::of(mem), pass, index).await;
     }
 
     /// Whatever it is merged with later, a fragment is stored: resolve counts what it merges.

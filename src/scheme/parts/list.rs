@@ -11,10 +11,13 @@ use std::future::Future;
 use std::marker::PhantomData;
 
 use super::lock::reach::Reach;
-use crate::fragment::{Fragment, data_of, depth_of, pair_key};
+use crate::fragment::{Fragment, data_of, depth_of, key, pair_key};
 use crate::memory::{
-    At, Atomic, Global, Kind, Layout, Memory, Order, Pixel, Plain, Pool, Snapshot, Words, both,
+    At, Atomic, Global, Kind, Layout, Memory, Order, OwnedBlock, Pixel, Plain, Pool, Snapshot,
+    Words, both,
 };
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::{Config, Keys};
 
 /// No node: the end of a list.
@@ -314,6 +317,36 @@ impl<L: Kind, K: NodeKeys> Lists<L, K> {
             (node, seen) = (next, seen + 1);
             Some(Ok(Node { number, next, key }))
         })
+    }
+}
+
+impl Lists {
+    /// Give each fragment of a block a node that becomes the first of its pixel's only list, in the order of their bits
+    /// ([`Scheme::store_block`](crate::scheme::Scheme::store_block)). Gives whether it did so: if the worker has the
+    /// nodes.
+    pub fn push_block(self, block: &OwnedBlock<'_>, batch: &Batch) -> bool {
+        let (mask, depths, data) = (batch.mask(), batch.depths(), batch.data());
+        let count = mask.count_ones();
+        let taken = block.pixels(self.heads).and_then(|heads| {
+            let first = block.next(self.pool, count)?;
+            let (links, keys) = (self.links, self.keys);
+            Some((heads, first, block.run(links, first, count)?, block.run(keys, first, count)?))
+        });
+        let Some((heads, first, links, keys)) = taken else { return false };
+        block.take(self.pool, count);
+        let mut nodes = (first..).zip(links.writers().zip(keys.writers()));
+        let mut push = |bit: usize| {
+            if let Some((node, (link, own))) = nodes.next() {
+                own(key(depths[bit], data[bit]));
+                link(heads[bit].replace(node));
+            }
+        };
+        if mask == u64::MAX {
+            (0..64).for_each(push);
+        } else {
+            bits(mask).for_each(|bit| push(bit as usize & 63));
+        }
+        true
     }
 }
 

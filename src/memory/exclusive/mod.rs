@@ -5,8 +5,11 @@
 //! write the same cache line of a pool, or contend for its counter. Which fragment gets which index may then depend on
 //! the workers. What is kept does not, since such ranges are used only where pools have room for all.
 
+pub mod block;
+
 use std::future::{Future, ready};
 
+use self::block::OwnedBlock;
 use super::arena::{Arena, Owned, OwnedView, Shared, SharedView};
 use super::{
     Access, Ahead, At, Atomic, Event, InputAt, Inputs, Kind, Mark, Memory, Observer, Order, Pool,
@@ -108,6 +111,15 @@ impl<O: Observer> Memory for Exclusive<'_, O> {
         };
         self.observer.update(Update::Add(1u32), index);
         ready(index)
+    }
+
+    #[inline(always)]
+    fn owned_block(&self, first: u32) -> Option<OwnedBlock<'_>> {
+        if self.observer.counters().is_some() {
+            return None;
+        }
+        let views = (self.pixel, self.global);
+        Some(OwnedBlock::new(first.wrapping_sub(self.first), views, self.ahead))
     }
 
     #[inline(always)]

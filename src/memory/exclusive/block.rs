@@ -1,0 +1,88 @@
+//! The words of a block of pixels that one worker owns, for schemes that store a block's fragments at once.
+
+use std::cell::Cell;
+
+use crate::memory::arena::{OwnedView, Rows, SharedView};
+use crate::memory::{Ahead, Global, Kind, Pixel, Plain, Pool, Word, Words};
+
+/// 64 pixels' words, and what their worker has of the frame's.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnedBlock<'a> {
+    /// The record of the first of them.
+    first: u32,
+    pixel: OwnedView<'a>,
+    global: SharedView<'a>,
+    ahead: &'a [Ahead],
+}
+
+/// Some of the frame's plain words, one after another.
+#[derive(Debug)]
+pub struct Run<'a, W: Word> {
+    words: &'a [W::Shared],
+}
+
+impl<'a> OwnedBlock<'a> {
+    pub(super) fn new(
+        first: u32,
+        (pixel, global): (OwnedView<'a>, SharedView<'a>),
+        ahead: &'a [Ahead],
+    ) -> Self {
+        Self { first, pixel, global, ahead }
+    }
+
+    /// The only word of this width that each of the pixels has; `None` if a pixel has more of them.
+    #[inline]
+    #[must_use]
+    pub fn pixels<K: Kind, W: Word>(&self, words: Words<Pixel, K, W>) -> Option<&'a [Cell<W>; 64]> {
+        self.rows(words)?.single()
+    }
+
+    /// These words of each of the pixels; `None` if memory has not so many pixels.
+    #[inline]
+    #[must_use]
+    pub fn rows<K: Kind, W: Word>(&self, words: Words<Pixel, K, W>) -> Option<Rows<'a, W>> {
+        self.pixel.rows(words, self.first)
+    }
+
+    /// So many of the frame's words, from word `first` on; `None` if there are not so many.
+    #[inline]
+    #[must_use]
+    pub fn run<W: Word>(
+        &self,
+        words: Words<Global, Plain, W>,
+        first: u32,
+        count: u32,
+    ) -> Option<Run<'a, W>> {
+        let all = words.run(first.into(), count.into())?;
+        Some(Run { words: self.global.words::<W>().get(all)? })
+    }
+
+    /// The first of a pool's next indices, if the worker has so many ahead. They are not taken.
+    #[inline]
+    #[must_use]
+    pub fn next(&self, pool: Pool, count: u32) -> Option<u32> {
+        pool.of(self.ahead)?.first(count)
+    }
+
+    /// Take so many of them.
+    #[inline]
+    pub fn take(&self, pool: Pool, count: u32) {
+        if let Some(ahead) = pool.of(self.ahead) {
+            ahead.skip(count);
+        }
+    }
+}
+
+impl<W: Word> Run<'_, W> {
+    /// Write the words, the first first, as long as there are values.
+    #[inline]
+    pub fn write(&self, values: impl Iterator<Item = W>) {
+        self.words.iter().zip(values).for_each(|(word, value)| W::put(word, value));
+    }
+
+    /// Ways to write each of them.
+    #[inline]
+    pub fn writers(&self) -> impl Iterator<Item = impl FnOnce(W)> {
+        self.words.iter().map(|word| move |value| W::put(word, value))
+    }
+}

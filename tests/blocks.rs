@@ -1,0 +1,270 @@
+//! What a scheme stores block by block is what it stores fragment by fragment: the same words, outcomes and indices
+//! after every block. `Scheme::store` is the specification, which is what runs where operations are counted.
+
+mod support;
+#[path = "support/toys/mod.rs"]
+mod toys;
+
+use fragloom::exec::Method;
+use fragloom::exec::drive::Pipeline;
+use fragloom::exec::method::Instance;
+use fragloom::fragment::Fragment;
+use fragloom::memory::arena::{Owned, Shared};
+use fragloom::memory::exclusive::Exclusive;
+use fragloom::memory::{
+    Atomic, Counters, Inputs, Layout, Memory, Observer, Order, OwnedBlock, Pixel, Words,
+};
+use fragloom::num::random::Random;
+use fragloom::raster::{Batch, Grid};
+use fragloom::render::{Options, Report};
+use fragloom::scene::Scene;
+use fragloom::scheme::contract::{Contract, Keeps};
+use fragloom::scheme::hash_table::table::TableSettings;
+use fragloom::scheme::{Config, Keys, Outcome, Outcomes, Scheme};
+use support::{draw, small_scenes};
+
+/// Blocks of a tile.
+const BLOCKS: u32 = 4;
+const PIXELS: u32 = 64 * BLOCKS;
+
+/// The tile's first pixel: tiles do not begin at 0.
+const FIRST: u32 = 3 * PIXELS;
+
+/// The first index of the worker's range of a pool.
+const RANGE: u32 = 1_000;
+
+/// The words and the outcomes after a block.
+type Seen = (Outcomes, [(Vec<u32>, Vec<u64>); 2]);
+
+/// Blocks of all kinds: whole, nearly whole, sparse, single fragments, none; few depths and data words, so that many are
+/// equal, and the smallest and the largest of them.
+fn batches(seed: u64) -> Vec<Batch> {
+    let mut random = Random::new(seed, 0);
+    let mut batch = || {
+        let mask = match random.below(6) {
+            0 | 1 => u64::MAX,
+            2 => !(1 << random.below(64)),
+            3 => random.below(u64::MAX) & random.below(u64::MAX),
+            4 => 1 << random.below(64),
+            _ => random.below(u64::MAX),
+        };
+        let first = FIRST + 64 * random.below(BLOCKS.into()) as u32;
+        let fragment = |bit: u32| Fragment {
+            pixel: first + bit,
+            depth: [0, 1, 7, 8, u32::MAX - 1, 1 << 31][random.below(6) as usize],
+            data: [0, 5, u32::MAX][random.below(3) as usize],
+            extra: 0,
+        };
+        let fragments: Vec<_> = (0..64).filter(|bit| mask >> bit & 1 == 1).map(fragment).collect();
+        if fragments.is_empty() { Batch::default() } else { Batch::of_block(&fragments) }
+    };
+    (0..24).map(|_| batch()).filter(|batch| !batch.is_empty()).collect()
+}
+
+/// All that is seen if blocks are stored one after another, where the worker has so many indices ahead.
+fn run<O: Observer + Default>(
+    scheme: &dyn for<'a> Pipeline<Exclusive<'a, O>>,
+    layout: &Layout,
+    batches: &[Batch],
+    ahead: Option<u32>,
+) -> Vec<Seen> {
+    let own = Owned::new(layout.per_pixel(), PIXELS as usize);
+    let shared = Shared::new(layout.per_frame(), 1);
+    own.fill(0x5A5A_5A5A_5A5A_5A5A);
+    let (inputs, observer) = (Inputs::defaults(layout), O::default());
+    let indices = ahead.map_or_else(Vec::new, |_| layout.ahead());
+    indices.iter().for_each(|pool| pool.set(RANGE, ahead.unwrap_or(0)));
+    let mem = Exclusive::new(&own, &shared, &inputs, &observer).from(FIRST).taking(&indices);
+    scheme.clear_frame(&mem);
+    scheme.clear(&mem, FIRST..FIRST + PIXELS);
+    let mut outcomes = Outcomes::default();
+    let store = |batch: &Batch| {
+        scheme.store(&mem, batch, &mut outcomes);
+        (outcomes.clone(), [own.all(), shared.all()])
+    };
+    batches.iter().map(store).collect()
+}
+
+/// The number of the first block after which the two ways differ.
+fn differ(instance: &dyn Instance, batches: &[Batch], ahead: Option<u32>) -> Option<usize> {
+    let compiled = instance.compiled()?;
+    let blocks = run::<()>(compiled.exclusive(), instance.layout(), batches, ahead);
+    let single = run::<Counters>(compiled.exclusive_counted(), instance.layout(), batches, ahead);
+    blocks.iter().zip(&single).position(|(a, b)| a != b)
+}
+
+fn config(k: u32, generated: u64) -> Config {
+    Config {
+        k: Some(k),
+        pixels: FIRST + PIXELS,
+        generated,
+        max_depth_complexity: 24,
+        bounded: generated,
+        pages: 64,
+        records: generated,
+        grid: Grid { width: 32, height: 32, tile: 16 },
+        table: TableSettings { size: [64, 64], ..TableSettings::default() },
+        ..Config::default()
+    }
+}
+
+/// Room for all, with indices ahead for all, for some of the blocks, and for none; and a pool that is too small.
+const CASES: [(u64, Option<u32>); 6] = [
+    (4_000, Some(2_000)),
+    (4_000, Some(150)),
+    (4_000, Some(0)),
+    (4_000, None),
+    (1_100, Some(2_000)),
+    (70, None),
+];
+
+fn first_difference(method: Method) -> Option<String> {
+    for (case, (generated, ahead)) in CASES.into_iter().enumerate() {
+        for seed in 0..6 {
+            let instance = method.instance(&config(1 + seed as u32 % 3, generated))?;
+            if let Some(block) = differ(&*instance, &batches(seed), ahead) {
+                return Some(format!("{method}: case {case}, seed {seed}, block {block}"));
+            }
+        }
+    }
+    None
+}
+
+#[test]
+fn blocks_are_stored_as_their_fragments_are() {
+    let catalogue = toys::catalogue();
+    let mut methods = 0;
+    for &method in catalogue.methods() {
+        // Not those that wait for an earlier fragment of their pixel, as ranks tell, or rely on other passes.
+        let contract = method.contract();
+        if contract.is_interlocked() || contract.program.passes.len() > 1 {
+            continue;
+        }
+        assert_eq!(first_difference(method), None);
+        methods += 1;
+    }
+    println!("{methods} methods, {} runs each", 6 * CASES.len());
+    assert!(methods > 30);
+}
+
+/// The same of whole frames, with all that a tile does besides when nothing is counted; also with pools that are too
+/// small.
+#[test]
+fn frames_are_the_same_if_nothing_is_counted() {
+    let same = |scene: &Scene, options: &Options| {
+        let [counted, other] = [true, false]
+            .map(|counters| draw(scene, &Options { counters, threads: 1, ..options.clone() }));
+        let what = format!("{} {} {:?}", options.method, scene.name, options.memory_budget);
+        assert_eq!(counted.image, other.image, "{what}");
+        let without = |report: Report| Report {
+            counters: Default::default(),
+            seconds: Default::default(),
+            ..report
+        };
+        assert_eq!(without(counted.report), without(other.report.clone()), "{what}");
+        other.report.dropped.values().sum::<u64>()
+    };
+    let mut frames = 0;
+    for method in toys::catalogue().promised() {
+        let k = method.contract().default_k.map(|_| 3);
+        for scene in small_scenes() {
+            let options = Options { method, k, ..Options::default() };
+            let _ = same(&scene, &options);
+            frames += 1;
+            // A pool without room for a third of the fragments, or more.
+            if matches!(method.name(), "ab-ll" | "kb-ab-ll" | "ab-ll-double") {
+                // A node takes 12 bytes or more, and a tile's heads 4 by pixel.
+                let generated = draw(&scene, &options).report.generated;
+                let memory_budget = Some(4 * 64 * 64 + 64 + 8 * generated);
+                let k = if method.contract().budget_chooses_k() { None } else { k };
+                let dropped = same(&scene, &Options { memory_budget, k, ..options });
+                assert!(dropped > 0, "{method} {}: the pool is too small", scene.name);
+                frames += 1;
+            }
+        }
+    }
+    println!("{frames} frames, each drawn twice");
+    assert!(frames > 200);
+}
+
+/// A Z-buffer whose block form has a fault.
+struct Faulty<const FAULT: u32> {
+    nearest: Words<Pixel, Atomic, u64>,
+}
+
+const FAULTS: [&str; 7] = [
+    "none",
+    "the last bit is left out",
+    "bits that are not set are stored, too",
+    "of equal fragments, the later one is not culled",
+    "what is evicted counts as kept",
+    "it stores, and says that it did not: outcomes are those of the second time",
+    "outcomes of the block before are left where nothing happens",
+];
+
+impl<const FAULT: u32> Scheme for Faulty<FAULT> {
+    const CONTRACT: Contract = Contract::new("faulty", Keeps::One);
+
+    type Holds = Keys;
+
+    fn new(_: &Config, layout: &mut Layout) -> Self {
+        Self { nearest: layout.pixel(1) }
+    }
+
+    async fn clear<M: Memory>(&self, mem: &M, pixel: u32) {
+        mem.store(self.nearest.at(pixel, 0), u64::MAX, Order::Relaxed).await;
+    }
+
+    async fn store<M: Memory>(&self, mem: &M, fragment: Fragment) -> Outcome {
+        let own = fragment.key();
+        let old = mem.min(self.nearest.at(fragment.pixel, 0), own, Order::Relaxed).await;
+        match (own >= old, old) {
+            (true, _) => Outcome::Culled,
+            (false, u64::MAX) => Outcome::Kept,
+            (false, _) => Outcome::Evicted,
+        }
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let Some(nearest) = block.pixels(self.nearest) else { return false };
+        let [mut culled, mut evicted] = [0_u64; 2];
+        let mask = match FAULT {
+            1 => batch.mask() & u64::MAX >> 1,
+            2 => u64::MAX,
+            _ => batch.mask(),
+        };
+        for bit in (0..64).filter(|bit| mask >> bit & 1 == 1) {
+            let (key, old) = (batch.get(bit).key(), nearest[bit as usize].get());
+            nearest[bit as usize].set(key.min(old));
+            if key > old || key == old && FAULT != 3 {
+                culled |= 1 << bit;
+            } else if old != u64::MAX && FAULT != 4 {
+                evicted |= 1 << bit;
+            }
+        }
+        if FAULT != 6 || culled | evicted != 0 {
+            outcomes.assign([(culled, Outcome::Culled), (evicted, Outcome::Evicted)]);
+        }
+        FAULT != 5
+    }
+
+    async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
+        keys.push(mem.load(self.nearest.at(pixel, 0), Order::Relaxed).await);
+    }
+}
+
+#[test]
+fn faults_of_block_forms_are_found() {
+    let found = [
+        first_difference(Method::of::<Faulty<0>>()),
+        first_difference(Method::of::<Faulty<1>>()),
+        first_difference(Method::of::<Faulty<2>>()),
+        first_difference(Method::of::<Faulty<3>>()),
+        first_difference(Method::of::<Faulty<4>>()),
+        first_difference(Method::of::<Faulty<5>>()),
+        first_difference(Method::of::<Faulty<6>>()),
+    ];
+    for (found, fault) in found.iter().zip(FAULTS) {
+        assert_eq!(found.is_none(), fault == "none", "{fault}: {found:?}");
+    }
+}
