@@ -20,12 +20,16 @@ use fragloom::render::{Options, Report};
 use fragloom::scene::Scene;
 use fragloom::scheme::contract::{Contract, Keeps};
 use fragloom::scheme::hash_table::table::TableSettings;
+use fragloom::scheme::program::{PassKind, Program};
 use fragloom::scheme::{Config, Keys, Outcome, Outcomes, Scheme};
 use support::{draw, small_scenes};
 
 /// Blocks of a tile.
 const BLOCKS: u32 = 4;
 const PIXELS: u32 = 64 * BLOCKS;
+
+/// Blocks that are stored.
+const BATCHES: usize = 24;
 
 /// The tile's first pixel: tiles do not begin at 0.
 const FIRST: u32 = 3 * PIXELS;
@@ -58,15 +62,26 @@ fn batches(seed: u64) -> Vec<Batch> {
         let fragments: Vec<_> = (0..64).filter(|bit| mask >> bit & 1 == 1).map(fragment).collect();
         if fragments.is_empty() { Batch::default() } else { Batch::of_block(&fragments) }
     };
-    (0..24).map(|_| batch()).filter(|batch| !batch.is_empty()).collect()
+    (0..BATCHES).map(|_| batch()).filter(|batch| !batch.is_empty()).collect()
 }
 
-/// All that is seen if blocks are stored one after another, where the worker has so many indices ahead.
+/// How blocks are stored.
+#[derive(Clone, Copy)]
+struct Case {
+    /// Fragments that the method is told of.
+    generated: u64,
+    /// Indices that the worker has ahead.
+    ahead: Option<u32>,
+    /// Blocks that earlier geometry passes see, too.
+    prepared: usize,
+}
+
+/// All that is seen if blocks are stored one after another.
 fn run<O: Observer + Default>(
     scheme: &dyn for<'a> Pipeline<Exclusive<'a, O>>,
-    layout: &Layout,
+    (program, layout): (&Program, &Layout),
     batches: &[Batch],
-    ahead: Option<u32>,
+    Case { ahead, prepared, .. }: Case,
 ) -> Vec<Seen> {
     let own = Owned::new(layout.per_pixel(), PIXELS as usize);
     let shared = Shared::new(layout.per_frame(), 1);
@@ -77,6 +92,17 @@ fn run<O: Observer + Default>(
     let mem = Exclusive::new(&own, &shared, &inputs, &observer).from(FIRST).taking(&indices);
     scheme.clear_frame(&mem);
     scheme.clear(&mem, FIRST..FIRST + PIXELS);
+    for (pass, number) in program.passes.iter().zip(0..) {
+        match pass.kind {
+            PassKind::Prepare => {
+                let seen = batches.iter().take(prepared);
+                seen.for_each(|batch| scheme.prepare(&mem, number, batch));
+            }
+            PassKind::Screen => scheme.screen(&mem, number, FIRST..FIRST + PIXELS),
+            PassKind::Frame => scheme.frame(&mem, number, 0..scheme.invocations(number)),
+            PassKind::Store => {}
+        }
+    }
     let mut outcomes = Outcomes::default();
     let store = |batch: &Batch| {
         scheme.store(&mem, batch, &mut outcomes);
@@ -86,10 +112,15 @@ fn run<O: Observer + Default>(
 }
 
 /// The number of the first block after which the two ways differ.
-fn differ(instance: &dyn Instance, batches: &[Batch], ahead: Option<u32>) -> Option<usize> {
+fn differ(
+    (program, instance): (&Program, &dyn Instance),
+    batches: &[Batch],
+    case: Case,
+) -> Option<usize> {
     let compiled = instance.compiled()?;
-    let blocks = run::<()>(compiled.exclusive(), instance.layout(), batches, ahead);
-    let single = run::<Counters>(compiled.exclusive_counted(), instance.layout(), batches, ahead);
+    let of = (program, instance.layout());
+    let blocks = run::<()>(compiled.exclusive(), of, batches, case);
+    let single = run::<Counters>(compiled.exclusive_counted(), of, batches, case);
     blocks.iter().zip(&single).position(|(a, b)| a != b)
 }
 
@@ -108,22 +139,33 @@ fn config(k: u32, generated: u64) -> Config {
     }
 }
 
-/// Room for all, with indices ahead for all, for some of the blocks, and for none; and a pool that is too small.
-const CASES: [(u64, Option<u32>); 6] = [
-    (4_000, Some(2_000)),
-    (4_000, Some(150)),
-    (4_000, Some(0)),
-    (4_000, None),
-    (1_100, Some(2_000)),
-    (70, None),
+const fn case(generated: u64, ahead: Option<u32>, prepared: usize) -> Case {
+    Case { generated, ahead, prepared }
+}
+
+/// Room for all, with indices ahead for all, for some of the blocks, and for none; a pool that is too small; and fragments
+/// that earlier passes did not see.
+const CASES: [Case; 7] = [
+    case(4_000, Some(2_000), BATCHES),
+    case(4_000, Some(150), BATCHES),
+    case(4_000, Some(0), BATCHES),
+    case(4_000, None, BATCHES),
+    case(1_100, Some(2_000), BATCHES),
+    case(70, None, BATCHES),
+    case(4_000, Some(2_000), 9),
 ];
 
 fn first_difference(method: Method) -> Option<String> {
-    for (case, (generated, ahead)) in CASES.into_iter().enumerate() {
+    let program = &method.contract().program;
+    for (number, case) in CASES.into_iter().enumerate() {
+        // Its buckets are of the depths that were seen.
+        if case.prepared < BATCHES && method.name() == "depth-peel-bucket" {
+            continue;
+        }
         for seed in 0..6 {
-            let instance = method.instance(&config(1 + seed as u32 % 3, generated))?;
-            if let Some(block) = differ(&*instance, &batches(seed), ahead) {
-                return Some(format!("{method}: case {case}, seed {seed}, block {block}"));
+            let instance = method.instance(&config(1 + seed as u32 % 3, case.generated))?;
+            if let Some(block) = differ((program, &*instance), &batches(seed), case) {
+                return Some(format!("{method}: case {number}, seed {seed}, block {block}"));
             }
         }
     }
@@ -135,16 +177,15 @@ fn blocks_are_stored_as_their_fragments_are() {
     let catalogue = toys::catalogue();
     let mut methods = 0;
     for &method in catalogue.methods() {
-        // Not those that wait for an earlier fragment of their pixel, as ranks tell, or rely on other passes.
-        let contract = method.contract();
-        if contract.is_interlocked() || contract.program.passes.len() > 1 {
+        // These wait for an earlier fragment of their pixel, as ranks tell.
+        if method.contract().is_interlocked() {
             continue;
         }
         assert_eq!(first_difference(method), None);
         methods += 1;
     }
     println!("{methods} methods, {} runs each", 6 * CASES.len());
-    assert!(methods > 30);
+    assert!(methods > 40);
 }
 
 /// The same of whole frames, with all that a tile does besides when nothing is counted; also with pools that are too

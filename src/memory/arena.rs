@@ -70,6 +70,16 @@ impl<'a, W: Word> Rows<'a, W> {
         &self.all[first..first + self.count]
     }
 
+    /// The first of those of the pixel at a bit.
+    ///
+    /// # Panics
+    /// If a block has no such bit, or a pixel none of them.
+    #[inline]
+    #[must_use]
+    pub fn first(&self, bit: u32) -> &'a Cell<W> {
+        &self.all[bit as usize * self.stride]
+    }
+
     /// The only word that each of the pixels has of this width.
     #[inline]
     pub(super) fn single(&self) -> Option<&'a [Cell<W>; 64]> {

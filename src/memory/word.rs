@@ -46,6 +46,8 @@ pub trait Word:
     #[doc(hidden)]
     fn put(word: &Self::Shared, value: Self);
     #[doc(hidden)]
+    fn peek(word: &Self::Shared) -> Self;
+    #[doc(hidden)]
     fn owned(cells: Cells<'_>) -> &[Cell<Self>];
     #[doc(hidden)]
     fn shared_load(atomics: Atomics<'_>, index: usize, ordering: Ordering) -> Option<Self>;
@@ -106,6 +108,11 @@ macro_rules! word {
             #[inline(always)]
             fn put(word: &$atomic, value: Self) {
                 word.store(value, Ordering::Relaxed);
+            }
+
+            #[inline(always)]
+            fn peek(word: &$atomic) -> Self {
+                word.load(Ordering::Relaxed)
             }
 
             #[inline(always)]

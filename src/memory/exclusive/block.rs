@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use crate::memory::arena::{OwnedView, Rows, SharedView};
-use crate::memory::{Ahead, Global, Kind, Pixel, Plain, Pool, Word, Words};
+use crate::memory::{Ahead, At, Global, Kind, Pixel, Plain, Pool, Word, Words};
 
 /// 64 pixels' words, and what their worker has of the frame's.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +57,21 @@ impl<'a> OwnedBlock<'a> {
         Some(Run { words: self.global.words::<W>().get(all)? })
     }
 
+    /// All of a run of the frame's words; `None` if memory has not so many.
+    #[inline]
+    #[must_use]
+    pub fn all<W: Word>(&self, words: Words<Global, Plain, W>) -> Option<Run<'a, W>> {
+        let all = words.run(0, words.count())?;
+        Some(Run { words: self.global.words::<W>().get(all)? })
+    }
+
+    /// The value of one of the frame's words; `None` if memory has no such word.
+    #[inline]
+    #[must_use]
+    pub fn value<K: Kind, W: Word>(&self, at: At<Global, K, W>) -> Option<W> {
+        Some(W::peek(self.global.words::<W>().get(at.word as usize)?))
+    }
+
     /// The first of a pool's next indices, if the worker has so many ahead. They are not taken.
     #[inline]
     #[must_use]
@@ -74,10 +89,11 @@ impl<'a> OwnedBlock<'a> {
 }
 
 impl<W: Word> Run<'_, W> {
-    /// Write the words, the first first, as long as there are values.
+    /// Write one of them, if there is such a one; whether there is.
     #[inline]
-    pub fn write(&self, values: impl Iterator<Item = W>) {
-        self.words.iter().zip(values).for_each(|(word, value)| W::put(word, value));
+    #[must_use]
+    pub fn write(&self, place: u64, value: W) -> bool {
+        self.words.get(place as usize).map(|word| W::put(word, value)).is_some()
     }
 
     /// Ways to write each of them.

@@ -8,10 +8,12 @@
 use std::ops::Range;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, OwnedBlock, Pixel, Plain, Words};
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::ranges::{self, Ranges};
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Outcome, Outcomes, Scheme};
 
 /// Records that resolve can sort.
 const MOST: u32 = 1_024;
@@ -91,6 +93,31 @@ impl Scheme for DynamicFragmentBuffer {
             }
             Err(outcome) => outcome,
         }
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let (starts, counters) =
+            (self.ranges.starts(block, batch.first()), block.rows(self.counter));
+        let (Some(start), Some(counters), Some(lengths), Some(records)) =
+            (starts, counters, block.rows(self.length), block.all(self.records))
+        else {
+            return false;
+        };
+        let [mut overflow, mut pool] = [0; 2];
+        for bit in bits(batch.mask()) {
+            let counter = counters.first(bit);
+            let left = counter.replace(counter.get().wrapping_sub(1));
+            // As in `place`.
+            if lengths.first(bit).get().wrapping_sub(left) >= MOST {
+                overflow |= 1 << bit;
+                continue;
+            }
+            let record = start(bit) + u64::from(left.wrapping_sub(1));
+            let stored = records.write(record, batch.get(bit).key());
+            pool |= u64::from(!stored) << bit;
+        }
+        outcomes.assign([(overflow, Outcome::Overflow), (pool, Outcome::Pool)]);
+        true
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {

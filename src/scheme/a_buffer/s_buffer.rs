@@ -7,11 +7,13 @@
 use std::marker::PhantomData;
 
 use crate::fragment::Fragment;
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Words};
+use crate::memory::{Atomic, Global, Layout, Memory, Order, OwnedBlock, Pixel, Plain, Words};
+use crate::raster::Batch;
+use crate::raster::batch::bits;
 use crate::scheme::contract::{Keeps, Overflow};
 use crate::scheme::parts::ranges::{self, Ranges};
 use crate::scheme::program::{Barrier, Pass, Program};
-use crate::scheme::{Config, Contract, Keys, Outcome, Scheme};
+use crate::scheme::{Config, Contract, Keys, Outcome, Outcomes, Scheme};
 
 /// The correct form, or a fault in it.
 pub trait Variant: Send + Sync + 'static {
@@ -165,6 +167,27 @@ impl<V: Variant> Scheme for SBuffer<V> {
         }
         mem.plain_store(self.records.at(record), fragment.key()).await;
         Outcome::Kept
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        if !V::BOUNDED {
+            return false;
+        }
+        let starts = self.ranges.starts(block, batch.first());
+        let (Some(start), Some(counters), Some(records)) =
+            (starts, block.rows(self.counter), block.all(self.records))
+        else {
+            return false;
+        };
+        let mut pool = 0;
+        for bit in bits(batch.mask()) {
+            let counter = counters.first(bit);
+            let index = counter.replace(counter.get().wrapping_add(1));
+            let stored = records.write(start(bit) + u64::from(index), batch.get(bit).key());
+            pool |= u64::from(!stored) << bit;
+        }
+        outcomes.assign([(pool, Outcome::Pool)]);
+        true
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {

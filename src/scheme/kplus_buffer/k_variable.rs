@@ -283,7 +283,7 @@ impl<V: Variant> Scheme for KVariable<V> {
         let heap = crowded && k > ARRAY_UP_TO;
         let counter = self.counter.at(pixel, 0);
         let row = Row { slots, k, heap, lock: self.lock, counter };
-        let gone = locked_row::insert::<_, _, Self>(mem, row, fragment).await;
+        let gone = mem.part(locked_row::insert::<_, _, Self>(mem, row, fragment)).await;
         locked_row::outcome(fragment, gone)
     }
 

@@ -13,7 +13,9 @@
 //! A range begins at group + block + offset. Neighbouring pixels are neighbours in memory, as in the paper's square
 //! tiling. Offsets within a block depend on the order of arrival; which records a pixel holds does not.
 
-use crate::memory::{Atomic, Global, Layout, Memory, Order, Pixel, Plain, Snapshot, Words};
+use crate::memory::{
+    Atomic, Global, Layout, Memory, Order, OwnedBlock, Pixel, Plain, Snapshot, Words,
+};
 use crate::scheme::contract::Demand;
 use crate::scheme::program::{Barrier, Pass, PassKind, Program};
 use crate::scheme::{Config, Contract, Keeps};
@@ -120,6 +122,19 @@ impl Ranges {
         let group = self.groups.at(u64::from(pixel / (RADIX * RADIX)));
         let group = mem.plain_load(group).await;
         (u64::from(group) + u64::from(block) + u64::from(offset >> 1), offset & 1 == 1)
+    }
+
+    /// Where the records of a block's pixels begin, the first of which is `pixel`, by bits: [`Self::start`] of each.
+    #[must_use]
+    pub fn starts<'a>(
+        self,
+        block: &OwnedBlock<'a>,
+        pixel: u32,
+    ) -> Option<impl Fn(u32) -> u64 + use<'a>> {
+        let own = block.value(self.blocks.at(u64::from(pixel / RADIX)))?;
+        let group = block.value(self.groups.at(u64::from(pixel / (RADIX * RADIX))))?;
+        let (offsets, base) = (block.rows(self.offset)?, u64::from(own) + u64::from(group));
+        Some(move |bit| base + u64::from(offsets.first(bit).get() >> 1))
     }
 
     /// Write a pixel's start where its offset was, so that the store pass needs not add it up for every fragment. Only
