@@ -79,7 +79,7 @@ impl<'a> OwnedBlock<'a> {
         pool.of(self.ahead)?.first(count)
     }
 
-    /// Take so many of them.
+    /// Take so many of them, no more than [`Self::next`] has found.
     #[inline]
     pub fn take(&self, pool: Pool, count: u32) {
         if let Some(ahead) = pool.of(self.ahead) {
