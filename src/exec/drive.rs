@@ -56,7 +56,7 @@ pub trait Pipeline<M>: Sync {
     fn frame(&self, mem: &M, pass: usize, indices: Range<u32>);
     /// How many invocations such a pass has.
     fn invocations(&self, pass: usize) -> u32;
-    /// Store fragments one after another.
+    /// Store fragments one after another, or at once where the scheme knows how ([`Scheme::store_block`]).
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes);
     /// Add what these pixels hold to `held`, one after another, and to `ends` where each ends there: in lists, by
     /// entries. Returns whether any of them needs another round.

@@ -202,9 +202,9 @@ fn differences(ends: &mut [u32]) {
     }
 }
 
-/// Composite every pixel's sorted entries, [`RAYS`] pixels at a time, of which a tile has a multiple. `color` knows the colour of a pixel's entry in a
-/// place. Of some pixels' places together, `merged` knows whether any has more to it than a colour; if so, `ray` knows how
-/// to composite one pixel's.
+/// Composite every pixel's sorted entries, [`RAYS`] pixels at a time, of which a tile has a multiple. `color` knows the
+/// colour of a pixel's entry in a place. Of some pixels' places together, `merged` knows whether any has more to it than a
+/// colour; if so, `ray` knows how to composite one pixel's.
 #[inline]
 fn composite(
     job: &Job<'_>,

@@ -50,19 +50,17 @@ impl<'a> OwnedBlock<'a> {
     pub fn run<W: Word>(
         &self,
         words: Words<Global, Plain, W>,
-        first: u32,
-        count: u32,
+        first: u64,
+        count: u64,
     ) -> Option<Run<'a, W>> {
-        let all = words.run(first.into(), count.into())?;
-        Some(Run { words: self.global.words::<W>().get(all)? })
+        Some(Run { words: self.global.words::<W>().get(words.run(first, count)?)? })
     }
 
-    /// All of a run of the frame's words; `None` if memory has not so many.
+    /// All of them; `None` if memory has not so many.
     #[inline]
     #[must_use]
     pub fn all<W: Word>(&self, words: Words<Global, Plain, W>) -> Option<Run<'a, W>> {
-        let all = words.run(0, words.count())?;
-        Some(Run { words: self.global.words::<W>().get(all)? })
+        self.run(words, 0, words.count())
     }
 
     /// The value of one of the frame's words; `None` if memory has no such word.

@@ -329,8 +329,10 @@ impl Lists {
         let count = mask.count_ones();
         let taken = block.pixels(self.heads).and_then(|heads| {
             let first = block.next(self.pool, count)?;
-            let (links, keys) = (self.links, self.keys);
-            Some((heads, first, block.run(links, first, count)?, block.run(keys, first, count)?))
+            let (from, many) = (first.into(), count.into());
+            let (links, keys) =
+                (block.run(self.links, from, many)?, block.run(self.keys, from, many)?);
+            Some((heads, first, links, keys))
         });
         let Some((heads, first, links, keys)) = taken else { return false };
         block.take(self.pool, count);
