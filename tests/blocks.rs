@@ -253,7 +253,7 @@ const FAULTS: [&str; 7] = [
     "of equal fragments, the later one is not culled",
     "what is evicted counts as kept",
     "it stores, and says that it did not: outcomes are those of the second time",
-    "outcomes of the block before are left where nothing happens",
+    "what is culled counts as evicted, too",
 ];
 
 impl<const FAULT: u32> Scheme for Faulty<FAULT> {
@@ -296,9 +296,8 @@ impl<const FAULT: u32> Scheme for Faulty<FAULT> {
                 evicted |= 1 << bit;
             }
         }
-        if FAULT != 6 || culled | evicted != 0 {
-            outcomes.assign([(culled, Outcome::Culled), (evicted, Outcome::Evicted)]);
-        }
+        let evicted = if FAULT == 6 { culled | evicted } else { evicted };
+        outcomes.assign([(culled, Outcome::Culled), (evicted, Outcome::Evicted)]);
         FAULT != 5
     }
 

@@ -24,9 +24,12 @@ fn fast(polygon: &Polygon) -> Vec<Option<u32>> {
     if let Setup::Visible(primitive) = Primitive::new(polygon.vertices(), 0, IMAGE) {
         primitive.blocks(IMAGE, |x, y, mask| {
             let origin = primitive.plane.at(x, y);
+            let mut codes = [0; 64];
+            primitive.plane.codes([x, y], mask, &mut codes);
             for bit in (0..64).filter(|bit| mask >> bit & 1 == 1) {
                 let (dx, dy) = (bit % 8, bit / 8);
                 let code = primitive.plane.code(primitive.plane.step(origin, dx, dy));
+                assert_eq!(codes[bit as usize], code, "a block at once");
                 let place = &mut image[((y + dy) * WIDTH + x + dx) as usize];
                 assert_eq!(*place, None, "a pixel twice");
                 *place = Some(code);
@@ -144,6 +147,61 @@ fn fast_equals_naive_on_random_triangles() {
     println!(
         "{fragments} fragments of {triangles} triangles, {fans} fans among them: 0 differences"
     );
+}
+
+/// Blocks of an image that is more than eight blocks wide, and those of its tiles, against the reference; row by row.
+#[test]
+fn blocks_are_those_of_the_reference_in_every_window() {
+    const WIDE: Rect = Rect { x0: 0, y0: 0, x1: 203, y1: 141 };
+    let window = |x: u32, y: u32, edge: u32| {
+        Rect { x0: x, y0: y, x1: x + edge, y1: y + edge }.intersect(WIDE)
+    };
+    let mut random = Random::new(5, 0);
+    let (mut covered, mut whole, mut polygons) = (0, 0, 0);
+    while polygons < 150 {
+        // From slivers to triangles that cross the guard band.
+        let mut vertices = triangle(&mut random).map(|v| Snapped { x: v.x * 4, y: v.y * 4, ..v });
+        for v in &mut vertices {
+            (v.x, v.y) = (v.x.clamp(-LIMIT, LIMIT), v.y.clamp(-LIMIT, LIMIT));
+        }
+        let polygon = Polygon::new(&vertices);
+        let Setup::Visible(primitive) = Primitive::new(polygon.vertices(), 0, WIDE) else {
+            continue;
+        };
+        polygons += 1;
+        let all = |window: Rect| {
+            let mut blocks = Vec::new();
+            primitive.blocks(window, |x, y, mask| blocks.push((y, x, mask)));
+            assert!(blocks.is_sorted_by(|a, b| (a.0, a.1) < (b.0, b.1)), "{polygon:?}");
+            blocks
+        };
+        let own = |x: u32, y: u32| naive::fragment(&polygon, x, y).is_some();
+        let mut expected = Vec::new();
+        for (y, x) in
+            (0..WIDE.y1).step_by(8).flat_map(|y| (0..WIDE.x1).step_by(8).map(move |x| (y, x)))
+        {
+            let inside = |bit: &u32| x + bit % 8 < WIDE.x1 && y + bit / 8 < WIDE.y1;
+            let bits = (0..64).filter(inside).filter(|bit| own(x + bit % 8, y + bit / 8));
+            let mask: u64 = bits.map(|bit| 1 << bit).sum();
+            if mask != 0 {
+                expected.push((y, x, mask));
+            }
+        }
+        let found = all(WIDE);
+        assert_eq!(found, expected, "{polygon:?}");
+        covered += found.len();
+        whole += found.iter().filter(|(.., mask)| *mask == u64::MAX).count();
+        for edge in [16, 64] {
+            let tiles = (0..WIDE.y1)
+                .step_by(edge as usize)
+                .flat_map(|y| (0..WIDE.x1).step_by(edge as usize).map(move |x| window(x, y, edge)));
+            let mut found: Vec<_> = tiles.flat_map(all).collect();
+            found.sort_unstable();
+            assert_eq!(found, expected, "{polygon:?}, tiles of {edge}");
+        }
+    }
+    println!("{polygons} polygons, {covered} blocks, {whole} of them whole");
+    assert!(covered > 5_000 && whole > 1_000);
 }
 
 /// Triangles in clip space that cross every plane.

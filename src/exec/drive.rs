@@ -117,7 +117,7 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
     }
 
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) {
-        outcomes.reset(batch.mask());
+        outcomes.reset();
         let block = mem.owned_block(batch.first());
         if block.is_some_and(|block| self.store_block(&block, batch, outcomes)) {
             return;

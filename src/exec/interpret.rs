@@ -100,7 +100,7 @@ impl<M: Memory> Pipeline<M> for Interpreted<'_> {
     }
 
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes) {
-        outcomes.reset(batch.mask());
+        outcomes.reset();
         for bit in bits(batch.mask()) {
             outcomes.set(bit, complete(self.store(mem, batch.get(bit))));
         }

@@ -4,9 +4,10 @@
 //! the machine has (nothing is ever fused). `FRAGLOOM_LANES=narrow` in the environment leaves the vectors out that not
 //! every machine has, for tests and comparisons.
 
+use std::any::Any;
 use std::sync::LazyLock;
 
-use pulp::{Arch, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 /// The name of the environment variable.
 pub const VARIABLE: &str = "FRAGLOOM_LANES";
@@ -29,4 +30,16 @@ pub fn wide<R>(work: impl FnOnce() -> R) -> R {
 #[inline]
 pub fn explicit<W: WithSimd>(work: W) -> W::Output {
     ARCH.dispatch(work)
+}
+
+/// The bits of those of a row that are negative. The compiler does not find the machine's instruction for it.
+#[allow(clippy::inline_always, reason = "as above")]
+#[inline(always)]
+pub fn negative<S: Simd>(simd: S, row: [i32; 8]) -> u8 {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = (&simd as &dyn Any).downcast_ref::<pulp::x86::V3>() {
+        return simd.avx._mm256_movemask_ps(pulp::cast(row)) as u8;
+    }
+    let _ = simd;
+    row.iter().zip(0..).fold(0, |all, (&value, x)| all | u8::from(value < 0) << x)
 }

@@ -5,10 +5,14 @@
 //! on the edge (E = 0) is inside only for a top edge (horizontal, pointing right) or a left edge (pointing up): all
 //! others subtract 1, so that "inside" is "E >= 0" throughout. Pixel centres are 256 units apart, so E's steps are
 //! multiples of 256 and its low 8 bits never change sign: E >> 8 is kept, which makes a step the plain difference of
-//! two snapped coordinates (|step| <= 2^24) and a whole 8x8 block fit in i32 once trivial cases are out.
+//! two snapped coordinates (|step| <= 2^24). Over 8x8 places E then changes by less than 2^28, so that i32 is enough for
+//! where it changes its sign.
+
+use pulp::Simd;
 
 use super::clip::{Snapped, UNITS, doubled_area};
 use crate::fragment::BLOCK;
+use crate::num::lanes::negative;
 
 /// E >> 8 at the centre of pixel (x, y) is `c + a * x + b * y`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -45,64 +49,60 @@ impl Edge {
     fn at(&self, x: u32, y: u32) -> i64 {
         self.c + i64::from(self.a) * i64::from(x) + i64::from(self.b) * i64::from(y)
     }
+
+    /// From the first pixel of a block to where E is least, and to where it is largest.
+    #[inline]
+    fn across(&self) -> (i64, i64) {
+        let far = (BLOCK - 1) as i32;
+        let (x, y) = (far * self.a, far * self.b);
+        ((x.min(0) + y.min(0)).into(), (x.max(0) + y.max(0)).into())
+    }
 }
 
 /// The covered pixels of the 8x8 block whose first pixel is (x, y): bit `8 * dy + dx`.
 #[allow(clippy::inline_always, reason = "see `lanes`")]
 #[inline(always)]
 #[must_use]
-pub fn block_mask(edges: &[Edge; 3], x: u32, y: u32) -> u64 {
-    let far = (BLOCK - 1) as i32;
-    let mut corners = [0i32; 3];
-    let mut cut = false;
-    for (corner, edge) in corners.iter_mut().zip(edges) {
-        let first = edge.at(x, y);
-        let (step_x, step_y) = (far * edge.a, far * edge.b);
-        if first + i64::from(step_x.max(0)) + i64::from(step_y.max(0)) < 0 {
-            return 0;
-        }
-        if first + i64::from(step_x.min(0)) + i64::from(step_y.min(0)) < 0 {
-            *corner = first as i32; // within ±7 * 2^25, or one of the tests above would have held
-            cut = true;
-        } else {
-            *corner = i32::MAX; // wholly inside: no longer takes part
-        }
+pub fn block_mask<S: Simd>(simd: S, edges: &[Edge; 3], x: u32, y: u32) -> u64 {
+    let firsts = edges.map(|edge| edge.at(x, y));
+    let mut least = [0; 3];
+    for ((least, edge), first) in least.iter_mut().zip(edges).zip(firsts) {
+        *least = first + edge.across().0;
     }
-    if cut { partial_mask(edges, corners) } else { u64::MAX }
+    if least[0] | least[1] | least[2] >= 0 { u64::MAX } else { inside(simd, edges, firsts) }
 }
 
-/// The mask of a block that at least one edge cuts; `i32::MAX` marks an edge that does not.
-#[allow(clippy::inline_always, reason = "see `lanes`")]
+/// Which of 8x8 blocks may have covered pixels, by the corner that lies farthest inside of each edge: bit
+/// `8 * row + column`. The first pixel of the first block is (x, y).
+///
+/// From block to block E moves by 8 steps, so that E >> 3 moves by one, exactly.
+#[allow(clippy::inline_always, reason = "as above")]
 #[inline(always)]
-fn partial_mask(edges: &[Edge; 3], corners: [i32; 3]) -> u64 {
-    // An edge that does not cut the block is 0 everywhere, which is inside.
-    let steps: [[i32; 3]; 3] = std::array::from_fn(|i| match corners[i] {
-        i32::MAX => [0; 3],
-        corner => [corner, edges[i].a, edges[i].b],
-    });
-    let first =
-        steps.map(|[corner, a, _]| -> [i32; 8] { std::array::from_fn(|x| corner + a * x as i32) });
-    // The sign of what lies outside of one of them.
-    let mut values = [0i32; 64];
-    for (y, row) in (0..).zip(values.chunks_exact_mut(8)) {
-        let [p, q, r] = steps.map(|[.., b]| b * y);
-        for (x, value) in row.iter_mut().enumerate() {
-            *value = (first[0][x] + p) | (first[1][x] + q) | (first[2][x] + r);
-        }
-    }
-    signs(&values)
+#[must_use]
+pub fn touched<S: Simd>(simd: S, edges: &[Edge; 3], x: u32, y: u32) -> u64 {
+    inside(simd, edges, edges.map(|edge| (edge.at(x, y) + edge.across().1) >> BLOCK.ilog2()))
 }
 
-/// The bits of the values that are not negative.
-#[allow(clippy::inline_always, reason = "see `lanes`")]
+/// Which of 8x8 places lie inside of all edges, if E is `firsts` at the first of them, and they are a step apart: bit
+/// `8 * dy + dx`.
+#[allow(clippy::inline_always, reason = "as above")]
 #[inline(always)]
-fn signs(values: &[i32; 64]) -> u64 {
-    let bytes: [u8; 64] = std::array::from_fn(|i| (values[i] >> 31) as u8 & 1);
+fn inside<S: Simd>(simd: S, edges: &[Edge; 3], firsts: [i64; 3]) -> u64 {
+    // Farther away than all steps together, every place is on the side of the first.
+    const FAR: i64 = 1 << 29;
+    let row = |i: usize| -> [i32; 8] {
+        let first = firsts[i].clamp(-FAR, FAR) as i32;
+        std::array::from_fn(|x| first + edges[i].a * x as i32)
+    };
+    let [mut p, mut q, mut r] = [row(0), row(1), row(2)];
     let mut outside = 0;
-    for (y, row) in (0..).zip(bytes.as_chunks().0) {
-        // Eight bytes of 0 or 1 become eight bits side by side.
-        let bits = u64::from_le_bytes(*row).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        outside |= bits << (8 * y);
+    for y in 0..8 {
+        // The sign of what lies outside of one of them.
+        let values = std::array::from_fn(|x| p[x] | q[x] | r[x]);
+        outside |= u64::from(negative(simd, values)) << (8 * y);
+        for x in 0..8 {
+            (p[x], q[x], r[x]) = (p[x] + edges[0].b, q[x] + edges[1].b, r[x] + edges[2].b);
+        }
     }
     !outside
 }

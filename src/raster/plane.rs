@@ -9,10 +9,12 @@
 //! A clipped polygon takes the plane of its *carrier*, the vertex triple of largest area: every point of the polygon
 //! then has barycentric coordinates within ±1 on it, so that extrapolation cannot overflow.
 
+use pulp::{Simd, WithSimd};
+
 use super::batch::{Lanes, bits};
 use super::clip::{Snapped, UNITS, doubled_area};
 use crate::fragment::BLOCK;
-use crate::num::lanes::wide;
+use crate::num::lanes::explicit;
 
 /// Fraction bits of the coefficients.
 const FRACTION: u32 = 24;
@@ -101,32 +103,7 @@ impl DepthPlane {
             }
         } else {
             let origin = self.at(x, y).wrapping_add(HALF);
-            wide(
-                #[inline(always)]
-                || self.narrow(origin, codes),
-            );
-        }
-    }
-
-    /// All codes of a block, in 32 bits. Each coefficient is split into whole codes, modulo 2^32, and its fraction;
-    /// up to 15 fractions fit a word.
-    #[allow(clippy::inline_always, reason = "see `lanes`")]
-    #[inline(always)]
-    fn narrow(&self, origin: i64, codes: &mut Lanes) {
-        let split = |v: i64| ((v >> FRACTION) as u32, v as u32 & ((1 << FRACTION) - 1));
-        let [(whole, part), a, b] = [origin, self.a, self.b].map(split);
-        let times = |(whole, part): (u32, u32), n: u32| (whole.wrapping_mul(n), part * n);
-        let columns: [(u32, u32); 8] = std::array::from_fn(|n| times(a, n as u32));
-        let range = (self.max - self.min) as i32;
-        for (row, n) in codes.chunks_exact_mut(8).zip(0..) {
-            let down = times(b, n);
-            let whole = whole.wrapping_add(down.0).wrapping_sub(self.min);
-            let part = part + down.1;
-            for (code, across) in row.iter_mut().zip(columns) {
-                let carried = (part + across.1) >> FRACTION;
-                let above = whole.wrapping_add(across.0).wrapping_add(carried) as i32;
-                *code = above.clamp(0, range) as u32 + self.min;
-            }
+            explicit(Narrow { plane: self, origin, codes });
         }
     }
 
@@ -136,6 +113,45 @@ impl DepthPlane {
     pub fn code(&self, value: i64) -> u32 {
         let rounded = value.wrapping_add(HALF) >> FRACTION;
         rounded.clamp(i64::from(self.min), i64::from(self.max)) as u32
+    }
+}
+
+/// All codes of a block, in 32 bits. Each coefficient is split into whole codes, modulo 2^32, and its fraction; up to
+/// 15 fractions fit a word. The vectors are named, since the compiler would lay them across the rows.
+struct Narrow<'a> {
+    plane: &'a DepthPlane,
+    /// At the block's first pixel, with half a code.
+    origin: i64,
+    codes: &'a mut Lanes,
+}
+
+impl WithSimd for Narrow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { plane: &DepthPlane { a, b, min, max, .. }, origin, codes } = self;
+        let split = |v: i64| ((v >> FRACTION) as i32, v as u32 & ((1 << FRACTION) - 1));
+        let [origin, a, b] = [origin, a, b].map(split);
+        let (near, range) = (min.cast_signed(), (max - min).cast_signed());
+        let first = origin.0.wrapping_sub(near);
+        let mut whole: [i32; 8] =
+            std::array::from_fn(|x| first.wrapping_add(a.0.wrapping_mul(x as i32)));
+        let mut part: [u32; 8] = std::array::from_fn(|x| origin.1 + a.1 * x as u32);
+        let [zero, near, range, down] = [0, near, range, b.0].map(|v| simd.splat_i32s(v));
+        let [fraction, down_part] = [FRACTION, b.1].map(|v| simd.splat_u32s(v));
+        let whole = S::as_mut_simd_i32s(&mut whole).0;
+        let part = S::as_mut_simd_u32s(&mut part).0;
+        for row in S::as_mut_simd_u32s(codes).0.chunks_exact_mut(whole.len()) {
+            for ((code, whole), part) in row.iter_mut().zip(&mut *whole).zip(&mut *part) {
+                let carried = simd.wrapping_dyn_shr_u32s(*part, fraction);
+                let above = simd.add_i32s(*whole, simd.transmute_i32s_u32s(carried));
+                let within = simd.min_i32s(simd.max_i32s(above, zero), range);
+                *code = simd.transmute_u32s_i32s(simd.add_i32s(within, near));
+                *whole = simd.add_i32s(*whole, down);
+                *part = simd.add_u32s(*part, down_part);
+            }
+        }
     }
 }
 

@@ -1,9 +1,12 @@
 //! A primitive: everything needed for the coverage and depth of one clipped and snapped triangle.
 
+use pulp::{Scalar, Simd, WithSimd};
+
 use super::clip::{Snapped, UNITS, doubled_area, doubled_area_of, fan};
-use super::edge::{Edge, block_mask, edges};
+use super::edge::{Edge, block_mask, edges, touched};
 use super::plane::DepthPlane;
 use crate::fragment::BLOCK;
+use crate::num::lanes::explicit;
 
 /// Half-open pixel rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -44,6 +47,9 @@ impl Rect {
         self.x0 >= self.x1 || self.y0 >= self.y1
     }
 }
+
+/// So many blocks are looked at one by one.
+const FEW: u32 = 3;
 
 /// A triangle ready to be rasterized. A clipped one stays a single primitive: its coverage is the sum of its fan's
 /// signed coverages, so a pixel gets at most one fragment of it.
@@ -135,36 +141,90 @@ impl Primitive {
         )
     }
 
-    /// Covered pixels of the block whose first pixel is (x, y), both multiples of 8, within `bounds`.
-    #[allow(clippy::inline_always, reason = "see `lanes`")]
-    #[inline(always)]
-    #[must_use]
-    pub fn mask(&self, x: u32, y: u32) -> u64 {
-        match &self.coverage {
-            Coverage::Triangle(edges) => block_mask(edges, x, y),
-            Coverage::Fan(fan) => fan_mask(fan, x, y),
-        }
-    }
-
     /// Call `emit(x, y, mask)` for every block with covered pixels in `window`, row by row. Blocks are 8x8 and lie on
     /// multiples of 8.
+    pub fn blocks(&self, window: Rect, emit: impl FnMut(u32, u32, u64)) {
+        explicit(Blocks { primitive: self, window, emit });
+    }
+
+    /// The same, with the machine's vectors.
     #[allow(clippy::inline_always, reason = "see `lanes`")]
     #[inline(always)]
-    pub fn blocks(&self, window: Rect, mut emit: impl FnMut(u32, u32, u64)) {
+    pub(super) fn each_block<S: Simd>(
+        &self,
+        simd: S,
+        window: Rect,
+        mut emit: impl FnMut(u32, u32, u64),
+    ) {
         let area = self.bounds.intersect(window);
         if area.is_empty() {
             return;
         }
-        let align = |v: u32| v / BLOCK * BLOCK;
-        for y in (align(area.y0)..area.y1).step_by(BLOCK as usize) {
-            let rows = rows_mask(y, area);
-            for x in (align(area.x0)..area.x1).step_by(BLOCK as usize) {
-                let mask = self.mask(x, y) & rows & columns_mask(x, area);
-                if mask != 0 {
-                    emit(x, y, mask);
+        let (left, right) = (area.x0 / BLOCK, area.x1.div_ceil(BLOCK));
+        let (top, bottom) = (area.y0 / BLOCK, area.y1.div_ceil(BLOCK));
+        // Row by row: more than 8 blocks across, the blocks of one row at a time.
+        let tall = if right - left <= 8 { 8 } else { 1 };
+        let mut row = top;
+        while row < bottom {
+            let rows = (bottom - row).min(tall);
+            let mut column = left;
+            while column < right {
+                let columns = (right - column).min(8);
+                let mut touched = (0xFF >> (8 - columns)) * 0x0101_0101_0101_0101;
+                touched &= u64::MAX >> (64 - 8 * rows);
+                if rows * columns > FEW {
+                    touched &= self.touched(simd, BLOCK * column, BLOCK * row);
                 }
+                while touched != 0 {
+                    let bit = touched.trailing_zeros();
+                    touched &= touched - 1;
+                    let (x, y) = (BLOCK * (column + bit % 8), BLOCK * (row + bit / 8));
+                    let mask = self.mask(simd, x, y) & rows_mask(y, area) & columns_mask(x, area);
+                    if mask != 0 {
+                        emit(x, y, mask);
+                    }
+                }
+                column += columns;
             }
+            row += rows;
         }
+    }
+
+    /// Which of the 8x8 blocks from (x, y) on may have covered pixels: bit `8 * row + column`.
+    #[allow(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
+    fn touched<S: Simd>(&self, simd: S, x: u32, y: u32) -> u64 {
+        match &self.coverage {
+            Coverage::Triangle(edges) => touched(simd, edges, x, y),
+            Coverage::Fan(_) => u64::MAX,
+        }
+    }
+
+    /// Covered pixels of the block whose first pixel is (x, y), both multiples of 8, within `bounds`.
+    #[allow(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
+    fn mask<S: Simd>(&self, simd: S, x: u32, y: u32) -> u64 {
+        match &self.coverage {
+            Coverage::Triangle(edges) => block_mask(simd, edges, x, y),
+            Coverage::Fan(fan) => fan_mask(fan, x, y),
+        }
+    }
+}
+
+/// The blocks of one primitive.
+struct Blocks<'a, F> {
+    primitive: &'a Primitive,
+    window: Rect,
+    emit: F,
+}
+
+impl<F: FnMut(u32, u32, u64)> WithSimd for Blocks<'_, F> {
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.primitive.each_block(simd, self.window, self.emit);
     }
 }
 
@@ -188,7 +248,7 @@ impl Coverage {
 fn fan_mask(fan: &[([Edge; 3], i8)], x: u32, y: u32) -> u64 {
     let mut sums = [0i8; 64];
     for (edges, sign) in fan {
-        let mask = block_mask(edges, x, y);
+        let mask = block_mask(Scalar::new(), edges, x, y);
         for (bit, sum) in sums.iter_mut().enumerate() {
             *sum += sign * ((mask >> bit) & 1) as i8;
         }

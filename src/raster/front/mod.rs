@@ -11,6 +11,7 @@ mod pieces;
 mod room;
 mod set_up;
 
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use self::bins::Bins;
@@ -22,7 +23,7 @@ use super::shade::{Attenuation, Surface};
 use super::slab::Slabs;
 use crate::fragment::{BLOCK, Packet};
 use crate::num::columns::Columns;
-use crate::num::lanes::wide;
+use crate::num::lanes::explicit;
 use crate::num::planes::Planes;
 use crate::scene::Scene;
 
@@ -265,41 +266,23 @@ impl FrontEnd {
 
     /// Call `emit` for every packet of a tile, in submission order.
     #[inline]
-    pub fn packets(&self, tile: usize, mut emit: impl FnMut(Packet)) {
-        let window = self.grid.tile_rect(tile);
-        wide(
-            #[inline(always)]
-            || {
-                for &index in self.bins.of(tile) {
-                    self.primitive_packets(index, window, &mut emit);
-                }
-            },
-        );
+    pub fn packets(&self, tile: usize, emit: impl FnMut(Packet)) {
+        self.each_packet(self.bins.of(tile), self.grid.tile_rect(tile), emit);
     }
 
     /// Call `emit` for every packet of the whole image, in submission order of primitives.
-    pub fn packets_in_order(&self, mut emit: impl FnMut(Packet)) {
-        let window = self.grid.image();
-        for index in self.indices() {
-            self.primitive_packets(index, window, &mut emit);
-        }
+    pub fn packets_in_order(&self, emit: impl FnMut(Packet)) {
+        self.each_packet(&self.indices(), self.grid.image(), emit);
     }
 
     /// Call `emit` for every packet of one primitive inside `window`, row by row.
-    #[allow(clippy::inline_always, reason = "see `lanes`")]
-    #[inline(always)]
-    pub fn primitive_packets(&self, index: u32, window: Rect, mut emit: impl FnMut(Packet)) {
-        let masked = self.masked.then(|| self.surface(index)).filter(|s| s.is_masked());
-        self.primitive(index).blocks(window, |x, y, mut mask| {
-            if let Some(surface) = masked {
-                mask = left(surface, [x, y], mask);
-                if mask == 0 {
-                    return;
-                }
-            }
-            let (column, row) = ((x / 8) as u16, (y / 8) as u16);
-            emit(Packet { primitive: index, column, row, mask });
-        });
+    pub fn primitive_packets(&self, index: u32, window: Rect, emit: impl FnMut(Packet)) {
+        self.each_packet(&[index], window, emit);
+    }
+
+    #[inline]
+    fn each_packet(&self, indices: &[u32], window: Rect, emit: impl FnMut(Packet)) {
+        explicit(Packets { front: self, indices, window, emit });
     }
 
     /// Fragments of each tile in one geometry pass, without generating them.
@@ -335,6 +318,37 @@ impl FrontEnd {
     #[must_use]
     pub fn max_depth_complexity(&self) -> u32 {
         self.depth_complexity().len() as u32 - 1
+    }
+}
+
+/// The packets of some primitives.
+struct Packets<'a, F> {
+    front: &'a FrontEnd,
+    indices: &'a [u32],
+    window: Rect,
+    emit: F,
+}
+
+impl<F: FnMut(Packet)> WithSimd for Packets<'_, F> {
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "see `lanes`")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { front, indices, window, mut emit } = self;
+        for &primitive in indices {
+            let masked = front.masked.then(|| front.surface(primitive)).filter(|s| s.is_masked());
+            front.primitive(primitive).each_block(simd, window, |x, y, mut mask| {
+                if let Some(surface) = masked {
+                    mask = left(surface, [x, y], mask);
+                    if mask == 0 {
+                        return;
+                    }
+                }
+                let (column, row) = ((x / BLOCK) as u16, (y / BLOCK) as u16);
+                emit(Packet { primitive, column, row, mask });
+            });
+        }
     }
 }
 

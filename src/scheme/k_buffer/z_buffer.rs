@@ -35,7 +35,7 @@ pub enum ClearedToFarPlane {}
 pub enum LoadStore {}
 
 /// A block of fewer fragments is stored one by one, which is as fast.
-const FEW: u32 = 16;
+const FEW: u32 = 12;
 
 /// From an unsigned number to a signed one of the same order.
 const SIGN: u64 = 1 << 63;
