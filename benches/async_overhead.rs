@@ -156,7 +156,7 @@ macro_rules! plain {
     ($name:ident, $word:ty, $get:expr, $set:expr, $acquire:expr, $raise:expr, $release:expr) => {
         #[inline(never)]
         fn $name(shape: Shape, words: &[$word], batch: &Batch, outcomes: &mut Outcomes) {
-            outcomes.reset(batch.mask());
+            outcomes.reset();
             for bit in bits(batch.mask()) {
                 let fragment = batch.get(bit);
                 let outcome = {

@@ -1,5 +1,6 @@
 //! What a scheme stores block by block is what it stores fragment by fragment: the same words, outcomes and indices
-//! after every block. `Scheme::store` is the specification, which is what runs where operations are counted.
+//! after every block. `Scheme::store` is the specification, which is what runs where operations are counted. Where an
+//! invocation may end with another one's fragment, it is as many of every outcome.
 
 mod support;
 #[path = "support/toys/mod.rs"]
@@ -8,6 +9,7 @@ mod toys;
 use fragloom::exec::Method;
 use fragloom::exec::drive::Pipeline;
 use fragloom::exec::method::Instance;
+use fragloom::exec::table::TableWords;
 use fragloom::fragment::Fragment;
 use fragloom::memory::arena::{Owned, Shared};
 use fragloom::memory::exclusive::Exclusive;
@@ -18,7 +20,7 @@ use fragloom::num::random::Random;
 use fragloom::raster::{Batch, Grid};
 use fragloom::render::{Options, Report};
 use fragloom::scene::Scene;
-use fragloom::scheme::contract::{Contract, Keeps};
+use fragloom::scheme::contract::{Accounting, Contract, Keeps};
 use fragloom::scheme::hash_table::table::TableSettings;
 use fragloom::scheme::program::{PassKind, Program};
 use fragloom::scheme::{Config, Keys, Outcome, Outcomes, Scheme};
@@ -37,8 +39,39 @@ const FIRST: u32 = 3 * PIXELS;
 /// The first index of the worker's range of a pool.
 const RANGE: u32 = 1_000;
 
-/// The words and the outcomes after a block.
-type Seen = (Outcomes, [(Vec<u32>, Vec<u64>); 2]);
+/// What is seen after a block.
+#[derive(Clone, Debug, PartialEq)]
+struct Seen {
+    outcomes: Outcomes,
+    /// All words, the pixels' own and the frame's.
+    words: [(Vec<u32>, Vec<u64>); 2],
+    /// The cells of a hash table, if there is one.
+    table: Option<TableWords>,
+}
+
+const OUTCOMES: [Outcome; 8] = [
+    Outcome::Kept,
+    Outcome::Culled,
+    Outcome::Evicted,
+    Outcome::Overflow,
+    Outcome::Pool,
+    Outcome::Duplicate,
+    Outcome::Age,
+    Outcome::Merged,
+];
+
+impl Seen {
+    /// Whether the same fragments are kept, and as many have every outcome. If none was ever dropped for its age, all
+    /// words are the same; else largest ages may be others, and alike fragments may be dropped for either reason.
+    fn crosses(&self, other: &Self, dropped: bool) -> bool {
+        let counts = |seen: &Self| OUTCOMES.map(|outcome| seen.outcomes.count(outcome));
+        let gone = |seen: &Self| seen.outcomes.gone().count_ones();
+        if dropped {
+            return self.table == other.table && gone(self) == gone(other);
+        }
+        self.words == other.words && counts(self) == counts(other)
+    }
+}
 
 /// Blocks of all kinds: whole, nearly whole, sparse, single fragments, none; few depths and data words, so that many are
 /// equal, and the smallest and the largest of them.
@@ -106,27 +139,38 @@ fn run<O: Observer + Default>(
     let mut outcomes = Outcomes::default();
     let store = |batch: &Batch| {
         scheme.store(&mem, batch, &mut outcomes);
-        (outcomes.clone(), [own.all(), shared.all()])
+        let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared));
+        Seen { outcomes: outcomes.clone(), words: [own.all(), shared.all()], table }
     };
     batches.iter().map(store).collect()
 }
 
 /// The number of the first block after which the two ways differ.
 fn differ(
-    (program, instance): (&Program, &dyn Instance),
+    (contract, instance): (&Contract, &dyn Instance),
     batches: &[Batch],
     case: Case,
 ) -> Option<usize> {
     let compiled = instance.compiled()?;
-    let of = (program, instance.layout());
+    let of = (&contract.program, instance.layout());
     let blocks = run::<()>(compiled.exclusive(), of, batches, case);
     let single = run::<Counters>(compiled.exclusive_counted(), of, batches, case);
-    blocks.iter().zip(&single).position(|(a, b)| a != b)
+    if contract.accounting != Accounting::Crossing {
+        return blocks.iter().zip(&single).position(|(a, b)| a != b);
+    }
+    let mut dropped = false;
+    blocks.iter().zip(&single).position(|(a, b)| {
+        dropped |= [a, b].iter().any(|seen| seen.outcomes.count(Outcome::Age) > 0);
+        !a.crosses(b, dropped)
+    })
 }
 
-fn config(k: u32, generated: u64) -> Config {
+/// For a seed: of small k, and of tables of several sizes, with room for all ages and for few.
+fn config(seed: u64, generated: u64) -> Config {
+    let size = [[64, 64], [37, 64], [32, 90]][seed as usize % 3];
+    let ages = if seed % 2 == 1 { 6 } else { 255 };
     Config {
-        k: Some(k),
+        k: Some(1 + seed as u32 % 3),
         pixels: FIRST + PIXELS,
         generated,
         max_depth_complexity: 24,
@@ -134,7 +178,7 @@ fn config(k: u32, generated: u64) -> Config {
         pages: 64,
         records: generated,
         grid: Grid { width: 32, height: 32, tile: 16 },
-        table: TableSettings { size: [64, 64], ..TableSettings::default() },
+        table: TableSettings { size, ages, ..TableSettings::default() },
         ..Config::default()
     }
 }
@@ -156,15 +200,15 @@ const CASES: [Case; 7] = [
 ];
 
 fn first_difference(method: Method) -> Option<String> {
-    let program = &method.contract().program;
+    let contract = method.contract();
     for (number, case) in CASES.into_iter().enumerate() {
         // Its buckets are of the depths that were seen.
         if case.prepared < BATCHES && method.name() == "depth-peel-bucket" {
             continue;
         }
         for seed in 0..6 {
-            let instance = method.instance(&config(1 + seed as u32 % 3, case.generated))?;
-            if let Some(block) = differ((program, &*instance), &batches(seed), case) {
+            let instance = method.instance(&config(seed, case.generated))?;
+            if let Some(block) = differ((contract, &*instance), &batches(seed), case) {
                 return Some(format!("{method}: case {number}, seed {seed}, block {block}"));
             }
         }
@@ -192,12 +236,13 @@ fn blocks_with_more_fragments_than_a_local_array_has_room_for() {
     let batches: Vec<_> =
         (0..1_030).map(|i| Batch::of_block(&[fragment(i * 77 % 1_030)])).collect();
     let case = case(2_000, None, batches.len());
-    let instance = method.instance(&config(1, case.generated)).expect("it has words");
-    let program = &method.contract().program;
-    assert_eq!(differ((program, &*instance), &batches, case), None);
+    let instance = method.instance(&config(0, case.generated)).expect("it has words");
+    let contract = method.contract();
+    assert_eq!(differ((contract, &*instance), &batches, case), None);
     let compiled = instance.compiled().expect("for executors");
-    let seen = run::<()>(compiled.exclusive(), (program, instance.layout()), &batches, case);
-    let gone = seen.iter().filter(|(outcomes, _)| outcomes.count(Outcome::Overflow) == 1);
+    let seen =
+        run::<()>(compiled.exclusive(), (&contract.program, instance.layout()), &batches, case);
+    let gone = seen.iter().filter(|seen| seen.outcomes.count(Outcome::Overflow) == 1);
     assert_eq!(gone.count(), 6);
 }
 

@@ -198,7 +198,10 @@ pub trait Scheme: Send + Sync + Sized + 'static {
 
     /// Store a block's fragments at once, if that is known to be faster: the words and the outcomes are those of
     /// [`Self::store`] for one after another, from the lowest bit on. No other invocation reaches the block's words
-    /// meanwhile. Gives whether it did so; if not, nothing has changed.
+    /// meanwhile. Where an invocation may end with another one's fragment
+    /// ([`Accounting::Crossing`](contract::Accounting::Crossing)), as many fragments have each outcome; which of them
+    /// may differ, and if one is dropped, so may words on which nothing that is kept depends. Gives whether it did so;
+    /// if not, nothing has changed.
     fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
         let _ = (block, batch, outcomes);
         false

@@ -1,9 +1,12 @@
 //! The words of a block of pixels that one worker owns, for schemes that store a block's fragments at once.
 
 use std::cell::Cell;
+use std::marker::PhantomData;
 
-use crate::memory::arena::{OwnedView, Rows, SharedView};
-use crate::memory::{Ahead, At, Global, Kind, Pixel, Plain, Pool, Word, Words};
+use crate::memory::arena::{Arena, OwnedView, Rows, SharedView};
+use crate::memory::{
+    Ahead, At, Atomic, Global, Kind, Order, Pixel, Plain, Pool, Update, Word, Words,
+};
 
 /// 64 pixels' words, and what their worker has of the frame's.
 #[derive(Clone, Copy, Debug)]
@@ -15,10 +18,11 @@ pub struct OwnedBlock<'a> {
     ahead: &'a [Ahead],
 }
 
-/// Some of the frame's plain words, one after another.
+/// Some of the frame's words, one after another.
 #[derive(Debug)]
-pub struct Run<'a, W: Word> {
+pub struct Run<'a, K, W: Word> {
     words: &'a [W::Shared],
+    kind: PhantomData<K>,
 }
 
 impl<'a> OwnedBlock<'a> {
@@ -47,19 +51,20 @@ impl<'a> OwnedBlock<'a> {
     /// So many of the frame's words, from word `first` on; `None` if there are not so many.
     #[inline]
     #[must_use]
-    pub fn run<W: Word>(
+    pub fn run<K: Kind, W: Word>(
         &self,
-        words: Words<Global, Plain, W>,
+        words: Words<Global, K, W>,
         first: u64,
         count: u64,
-    ) -> Option<Run<'a, W>> {
-        Some(Run { words: self.global.words::<W>().get(words.run(first, count)?)? })
+    ) -> Option<Run<'a, K, W>> {
+        let words = self.global.words::<W>().get(words.run(first, count)?)?;
+        Some(Run { words, kind: PhantomData })
     }
 
     /// All of them; `None` if memory has not so many.
     #[inline]
     #[must_use]
-    pub fn all<W: Word>(&self, words: Words<Global, Plain, W>) -> Option<Run<'a, W>> {
+    pub fn all<W: Word>(&self, words: Words<Global, Plain, W>) -> Option<Run<'a, Plain, W>> {
         self.run(words, 0, words.count())
     }
 
@@ -68,6 +73,15 @@ impl<'a> OwnedBlock<'a> {
     #[must_use]
     pub fn value<K: Kind, W: Word>(&self, at: At<Global, K, W>) -> Option<W> {
         Some(W::peek(self.global.words::<W>().get(at.word as usize)?))
+    }
+
+    /// Write the larger of one of the frame's words and a value, by one atomic operation, and give the word before;
+    /// `None` if memory has no such word.
+    #[inline]
+    #[must_use]
+    pub fn max<W: Word>(&self, at: At<Global, Atomic, W>, value: W) -> Option<W> {
+        self.global.words::<W>().get(at.word as usize)?;
+        Some(self.global.update(at, Update::Max(value), Order::Relaxed))
     }
 
     /// The first of a pool's next indices, if the worker has so many ahead. They are not taken.
@@ -86,7 +100,16 @@ impl<'a> OwnedBlock<'a> {
     }
 }
 
-impl<W: Word> Run<'_, W> {
+impl<K: Kind, W: Word> Run<'_, K, W> {
+    /// The values of the first of them; `None` if there are not so many.
+    #[inline]
+    #[must_use]
+    pub fn values<const N: usize>(&self) -> Option<[W; N]> {
+        Some(self.words.first_chunk()?.each_ref().map(W::peek))
+    }
+}
+
+impl<W: Word> Run<'_, Plain, W> {
     /// Write one of them, if there is such a one; whether there is.
     #[inline]
     #[must_use]

@@ -24,12 +24,14 @@ pub mod faults;
 use std::marker::PhantomData;
 
 use super::table::{Place, Table};
+use super::walks::Walks;
 use crate::fragment::{Data, Fragment, data_of, depth_of, key};
-use crate::memory::{Event, Layout, Memory, Order, Snapshot, Word};
+use crate::memory::{Event, Layout, Memory, Order, OwnedBlock, Snapshot, Word};
 use crate::num::depth::Format;
+use crate::raster::Batch;
 use crate::scheme::contract::{Alike, Form, Keeps, Overflow};
 use crate::scheme::program::{Barrier, Pass, PassKind, Program};
-use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
+use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Outcomes, Readback, Scheme};
 
 /// The largest depth of 24 bits.
 const FAR: u32 = 0xFF_FFFF;
@@ -335,6 +337,15 @@ impl<R: Record, V: Variant<R>> Scheme for HaBuffer<R, V> {
             age += 1;
             mem.merge(step).await;
         }
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        if !self.table.covers_screen() {
+            return false;
+        }
+        let walks = Walks { table: &self.table, block, age_bit: R::AGE_BIT, once: !V::MULTISET };
+        walks.go(batch, |bit| R::pack(0, batch.get(bit).key()).to_u64(), outcomes);
+        true
     }
 
     /// At any time, Proposition A; in the end, nothing is beyond the largest age, and the list is sorted.

@@ -13,10 +13,14 @@ use std::marker::PhantomData;
 
 use super::ha::PROGRAM;
 use super::table::Table;
+use super::walks::Walks;
 use crate::fragment::Fragment;
-use crate::memory::{Event, Global, Layout, Memory, Order, Plain, Pool, Snapshot, Words};
+use crate::memory::{
+    Event, Global, Layout, Memory, Order, OwnedBlock, Plain, Pool, Snapshot, Words,
+};
+use crate::raster::Batch;
 use crate::scheme::contract::{Dependence, Form, Keeps};
-use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Readback, Scheme};
+use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Outcomes, Readback, Scheme};
 
 /// Bits of a key: more pixels than that are refused.
 pub const KEY_BITS: u32 = 24;
@@ -152,6 +156,22 @@ impl<V: Variant> Scheme for HashCoherent<V> {
             mem.merge(inserted).await;
             mem.merge(step).await;
         }
+    }
+
+    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
+        let count = batch.mask().count_ones();
+        if !V::OWN_DATA || !self.table.covers_screen() {
+            return false;
+        }
+        let Some(first) = block.next(self.pool, count) else { return false };
+        let Some(nodes) = block.run(self.nodes, first.into(), count.into()) else { return false };
+        block.take(self.pool, count);
+        nodes.writers().zip(batch.iter()).for_each(|(node, fragment)| node(fragment.key()));
+        let walks = Walks { table: &self.table, block, age_bit: 56, once: false };
+        let mut nodes = first..;
+        let own = |bit| pack(0, batch.first() + bit, nodes.next().unwrap_or_default());
+        walks.go(batch, own, outcomes);
+        true
     }
 
     /// In the end, no record is beyond the largest age of its block.

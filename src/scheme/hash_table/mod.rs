@@ -4,6 +4,7 @@ pub mod ha;
 pub mod ha_cull;
 pub mod hash_coherent;
 pub mod table;
+mod walks;
 
 use super::contract::{Accounting, Contract, Demand, Keeps, Overflow};
 

@@ -215,6 +215,12 @@ impl<W: Word> Table<W> {
         self.size
     }
 
+    /// Whether it is at least as large as the screen on each axis, so that walks begin where their pixels are.
+    #[must_use]
+    pub fn covers_screen(&self) -> bool {
+        self.size[0] >= self.grid.width && self.size[1] >= self.grid.height
+    }
+
     /// All cells, row by row.
     #[must_use]
     pub fn cells(&self) -> Words<Global, Atomic, W> {
@@ -250,6 +256,15 @@ impl<W: Word> Table<W> {
     pub fn cell(&self, [x, y]: Place, age: u32) -> Place {
         let [dx, dy] = self.offsets[age as usize - 1];
         [turn(x + dx, self.size[0]), turn(y + dy, self.size[1])]
+    }
+
+    /// The cells of a row of pixels at an age, if they lie one after another; `place` is the first one's.
+    #[inline(always)]
+    #[must_use]
+    pub fn row(&self, place: Place, age: u32, pixels: u32) -> Option<u64> {
+        let [x, y] = self.cell(place, age);
+        let first = u64::from(y) * u64::from(self.size[0]) + u64::from(x);
+        (x + pixels <= self.size[0]).then_some(first)
     }
 
     /// The same for ages beyond the largest, which only a faulty form has: offsets of their own, one cell on.
