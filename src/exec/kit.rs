@@ -3,11 +3,13 @@
 use std::sync::Mutex;
 
 use super::frame::TileOutput;
+use super::table::{Left, TableWords};
 use crate::memory::Layout;
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::layout::Sizes;
 use crate::memory::reuse::Reuse;
 use crate::raster::Room;
+use crate::scheme::Readback;
 
 /// Storage and room that are not in use. By default nothing is kept, since no other frame follows.
 #[derive(Debug, Default)]
@@ -47,6 +49,31 @@ impl Kit {
     pub fn keep_shared(&self, shared: Shared) {
         if self.keeps {
             self.memory.keep_shared(shared);
+        }
+    }
+
+    /// The table in a frame's words; if there is none, the words are kept.
+    #[must_use]
+    pub fn left(&self, readback: Option<Readback>, global: Shared) -> Option<Left> {
+        match readback {
+            Some(readback) => Some(Left::There(readback, global)),
+            None => {
+                self.keep_shared(global);
+                None
+            }
+        }
+    }
+
+    /// Read a table back, and keep its words.
+    #[must_use]
+    pub fn read(&self, left: Left) -> TableWords {
+        match left {
+            Left::Read(words) => words,
+            Left::There(readback, global) => {
+                let words = TableWords::new(&readback, &global);
+                self.keep_shared(global);
+                words
+            }
         }
     }
 

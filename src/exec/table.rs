@@ -5,6 +5,15 @@ use crate::memory::sim::Sim;
 use crate::memory::{Atomic, Global, Word, Words};
 use crate::scheme::{Cells, Readback};
 
+/// A table that a frame has left. To read it back is no part of the frame: it may have hundreds of MiB.
+#[derive(Debug)]
+pub enum Left {
+    /// In the frame's words.
+    There(Readback, Shared),
+    /// It was read back.
+    Read(TableWords),
+}
+
 /// A table's contents.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TableWords {

@@ -19,7 +19,6 @@ use super::frame::finish::{Finisher, resolve_tile};
 use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts};
 use super::interpret::Interpreted;
-use super::table::TableWords;
 use super::{Instance, Job};
 use crate::fragment::Packet;
 use crate::memory::arena::Shared;
@@ -138,9 +137,8 @@ fn frame<O: Observer + Default>(
     let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();
     let frame = Frame::new(tiles, &stored.reports, counters);
-    let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared.global));
     job.kit.keep_shared(shared.pixel);
-    job.kit.keep_shared(shared.global);
+    let table = job.kit.left(scheme.readback(), shared.global);
     Frame { rounds, table, outside, seconds: watch.seconds(), ..frame }
 }
 

@@ -16,7 +16,6 @@ use super::frame::finish::{Finisher, resolve_tile};
 use super::frame::rounds::Rounds;
 use super::frame::{Frame, PixelCounts, TileOutput};
 use super::interpret::Interpreted;
-use super::table::TableWords;
 use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
@@ -63,10 +62,9 @@ fn frame<O: Observer + Default + Send>(
         counters.merge(&counts);
         done.push(tile);
     }
-    let table = scheme.readback().map(|readback| TableWords::new(&readback, &global));
     let frame = Frame::new(done, &Tally::default(), counters);
     let outside = frame.outside + global.outside();
-    job.kit.keep_shared(global);
+    let table = job.kit.left(scheme.readback(), global);
     Frame { table, outside, ..frame }
 }
 

@@ -4,6 +4,8 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, AtomicU64};
 
+use rayon::prelude::*;
+
 use super::layout::{At, Sizes};
 use super::word::{Atomics, Cells};
 use super::{Access, Atomic, Global, Kind, Order, Pixel, Space, Update, Word, Words};
@@ -134,12 +136,13 @@ impl Shared {
         Self { outside: Default::default(), ..self }
     }
 
-    /// All values of a run of the frame's words.
+    /// All values of a run of the frame's words, by all threads of the pool: a hash table may have hundreds of MiB.
     #[must_use]
     pub fn copy<W: Word>(&self, words: Words<Global, Atomic, W>) -> Vec<u64> {
-        let view = self.view();
-        let read = |i| view.read(words.at(i), Access::Atomic(Order::Relaxed)).to_u64();
-        (0..words.count()).map(read).collect()
+        let read = |i: usize| {
+            self.view().read(words.at(i as u64), Access::Atomic(Order::Relaxed)).to_u64()
+        };
+        (0..words.count() as usize).into_par_iter().map(read).collect()
     }
 
     /// All words, of 32 and of 64 bits, record after record.

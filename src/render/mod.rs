@@ -201,7 +201,8 @@ fn draw(scene: &Scene, options: &Options, threads: usize, kit: &Kit) -> Result<R
         kit.keep(std::mem::take(&mut executed.frame.tiles));
     }
     watch.lap("assemble");
-    let mut report = account(scene, options, &front, &executed);
+    let table = executed.frame.table.take().map(|left| TableReport::new(&kit.read(left)));
+    let mut report = account(scene, options, &front, &executed, table);
     let (format, data) = (job.record.depth, job.record.data);
     limits::layers(options, &kept)?;
     let layers = Layers { scene, front: &front, format, data, kept: &kept };
@@ -359,9 +360,14 @@ fn scheduling(sim: &Sim, job: &Job<'_>, fingerprint: u64) -> policy::Scheduling 
 }
 
 /// The report, except what is known only after assembly.
-fn account(scene: &Scene, options: &Options, front: &FrontEnd, executed: &Executed) -> Report {
+fn account(
+    scene: &Scene,
+    options: &Options,
+    front: &FrontEnd,
+    executed: &Executed,
+    table: Option<TableReport>,
+) -> Report {
     let (tally, contract) = (&executed.frame.tally, options.method.contract());
-    let table = executed.frame.table.as_ref().map(TableReport::new);
     // Beyond the largest age. If no cell is empty, the reason is lack of room, whatever the largest age.
     let full = table.as_ref().is_some_and(TableReport::is_full);
     let dropped = [

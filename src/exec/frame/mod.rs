@@ -11,12 +11,12 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::account::{Judgement, Tally};
-use super::table::TableWords;
+use super::table::Left;
 use crate::memory::Counters;
 use crate::scheme::{Depth, HeldKind, Keeps, Light, Records, exact};
 
 /// A finished frame.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Frame {
     /// By tile.
     pub tiles: Vec<TileOutput>,
@@ -29,7 +29,7 @@ pub struct Frame {
     /// Rounds of the method's program: the largest number of any tile, if tiles proceed on their own.
     pub rounds: u32,
     /// The hash table, if the method has one.
-    pub table: Option<TableWords>,
+    pub table: Option<Left>,
     /// Seconds of each pass, if passes run one after another.
     pub seconds: BTreeMap<String, f64>,
 }

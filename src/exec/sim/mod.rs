@@ -22,7 +22,7 @@ use super::clock::Stopwatch;
 use super::frame::Frame;
 use super::frame::finish::Finisher;
 use super::interpret::Interpreted;
-use super::table::TableWords;
+use super::table::{Left, TableWords};
 use super::{Instance, Job};
 use crate::error::Result;
 use crate::memory::Counters;
@@ -38,7 +38,7 @@ pub use turns::{Room, Stage, Stepped, Stores};
 pub use watch::Watched;
 
 /// The result of a run on the simulated device.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Simulated {
     /// The finished frame.
     pub frame: Frame,
@@ -90,7 +90,7 @@ pub fn run(
     let tiles = tiles.collect();
     watch.lap("resolve");
     let frame = Frame::new(tiles, &reports, mem.observer().clone());
-    let table = instance.readback().map(|readback| TableWords::new(&readback, &mem));
+    let table = instance.readback().map(|readback| Left::Read(TableWords::new(&readback, &mem)));
     Ok(Simulated {
         frame: Frame { rounds, table, outside: mem.outside(), seconds: watch.seconds(), ..frame },
         schedule,
