@@ -1,6 +1,7 @@
 //! What a scheme stores block by block is what it stores fragment by fragment: the same words, outcomes and indices
-//! after every block. `Scheme::store` is the specification, which is what runs where operations are counted. Where an
-//! invocation may end with another one's fragment, it is as many of every outcome.
+//! after every block; or after several primitives' fragments of a block, where they are stored together. `Scheme::store`
+//! is the specification, which is what runs where operations are counted. Where an invocation may end with another one's
+//! fragment, it is as many of every outcome.
 
 mod support;
 #[path = "support/toys/mod.rs"]
@@ -16,6 +17,7 @@ use fragloom::memory::exclusive::Exclusive;
 use fragloom::memory::{
     Atomic, Counters, Inputs, Layout, Memory, Observer, Order, OwnedBlock, Pixel, Words,
 };
+use fragloom::num::depth::{FARTHEST, Format};
 use fragloom::num::random::Random;
 use fragloom::raster::{Batch, Grid};
 use fragloom::render::{Options, Report};
@@ -39,10 +41,11 @@ const FIRST: u32 = 3 * PIXELS;
 /// The first index of the worker's range of a pool.
 const RANGE: u32 = 1_000;
 
-/// What is seen after a block.
+/// What is seen after a block, or after several batches of it.
 #[derive(Clone, Debug, PartialEq)]
 struct Seen {
-    outcomes: Outcomes,
+    /// Of each batch.
+    outcomes: Vec<Outcomes>,
     /// All words, the pixels' own and the frame's.
     words: [(Vec<u32>, Vec<u64>); 2],
     /// The cells of a hash table, if there is one.
@@ -64,18 +67,27 @@ impl Seen {
     /// Whether the same fragments are kept, and as many have every outcome. If none was ever dropped for its age, all
     /// words are the same; else largest ages may be others, and alike fragments may be dropped for either reason.
     fn crosses(&self, other: &Self, dropped: bool) -> bool {
-        let counts = |seen: &Self| OUTCOMES.map(|outcome| seen.outcomes.count(outcome));
-        let gone = |seen: &Self| seen.outcomes.gone().count_ones();
+        let counts = |seen: &Self| OUTCOMES.map(|outcome| seen.count(outcome));
         if dropped {
-            return self.table == other.table && gone(self) == gone(other);
+            return self.table == other.table && self.gone() == other.gone();
         }
         self.words == other.words && counts(self) == counts(other)
+    }
+
+    fn count(&self, outcome: Outcome) -> u64 {
+        self.outcomes.iter().map(|all| all.count(outcome)).sum()
+    }
+
+    /// How many fragments were not kept.
+    fn gone(&self) -> u32 {
+        self.outcomes.iter().map(|all| all.gone().count_ones()).sum()
     }
 }
 
 /// Blocks of all kinds: whole, nearly whole, sparse, single fragments, none; few depths and data words, so that many are
 /// equal, and the smallest and the largest of them.
-fn batches(seed: u64) -> Vec<Batch> {
+fn batches(seed: u64, format: Format) -> Vec<Batch> {
+    let far = [1 << 31, FARTHEST].map(|code| format.encode(code));
     let mut random = Random::new(seed, 0);
     let mut batch = || {
         let mask = match random.below(6) {
@@ -88,7 +100,7 @@ fn batches(seed: u64) -> Vec<Batch> {
         let first = FIRST + 64 * random.below(BLOCKS.into()) as u32;
         let fragment = |bit: u32| Fragment {
             pixel: first + bit,
-            depth: [0, 1, 7, 8, u32::MAX - 1, 1 << 31][random.below(6) as usize],
+            depth: [0, 1, 7, 8, far[0], far[1]][random.below(6) as usize],
             data: [0, 5, u32::MAX][random.below(3) as usize],
             extra: 0,
         };
@@ -109,11 +121,11 @@ struct Case {
     prepared: usize,
 }
 
-/// All that is seen if blocks are stored one after another.
+/// All that is seen if blocks are stored one after another, and those of a group together where the scheme does so.
 fn run<O: Observer + Default>(
     scheme: &dyn for<'a> Pipeline<Exclusive<'a, O>>,
     (program, layout): (&Program, &Layout),
-    batches: &[Batch],
+    groups: &[Vec<Batch>],
     Case { ahead, prepared, .. }: Case,
 ) -> Vec<Seen> {
     let own = Owned::new(layout.per_pixel(), PIXELS as usize);
@@ -128,7 +140,7 @@ fn run<O: Observer + Default>(
     for (pass, number) in program.passes.iter().zip(0..) {
         match pass.kind {
             PassKind::Prepare => {
-                let seen = batches.iter().take(prepared);
+                let seen = groups.iter().flatten().take(prepared);
                 seen.for_each(|batch| scheme.prepare(&mem, number, batch));
             }
             PassKind::Screen => scheme.screen(&mem, number, FIRST..FIRST + PIXELS),
@@ -136,31 +148,68 @@ fn run<O: Observer + Default>(
             PassKind::Store => {}
         }
     }
-    let mut outcomes = Outcomes::default();
-    let store = |batch: &Batch| {
-        scheme.store(&mem, batch, &mut outcomes);
+    let store = |group: &Vec<Batch>| {
+        let mut outcomes = vec![Outcomes::default(); group.len()];
+        if scheme.together(&mem, group[0].first()) >= group.len() {
+            scheme.store_together(&mem, group, &mut outcomes);
+        } else {
+            let single = group.iter().zip(&mut outcomes);
+            single.for_each(|(batch, outcomes)| scheme.store(&mem, batch, outcomes));
+        }
         let table = scheme.readback().map(|readback| TableWords::new(&readback, &shared));
-        Seen { outcomes: outcomes.clone(), words: [own.all(), shared.all()], table }
+        Seen { outcomes, words: [own.all(), shared.all()], table }
     };
-    batches.iter().map(store).collect()
+    groups.iter().map(store).collect()
 }
 
-/// The number of the first block after which the two ways differ.
-fn differ(
+/// Batches in groups of one; and in groups of so many, block by block, as a tile has them.
+fn groups(batches: &[Batch], most: usize) -> Vec<Vec<Batch>> {
+    let mut batches = batches.to_vec();
+    if most > 1 {
+        batches.sort_by_key(Batch::first);
+    }
+    let blocks = batches.chunk_by(|a, b| most > 1 && a.first() == b.first());
+    blocks.flat_map(|block| block.chunks(most)).map(<[Batch]>::to_vec).collect()
+}
+
+/// The sizes of groups, and the number of the first of them after which the two ways differ.
+fn differ(of: (&Contract, &dyn Instance), batches: &[Batch], case: Case) -> Option<(usize, usize)> {
+    let sizes = if together(of.1) > 0 { &[1, 3, BATCHES][..] } else { &[1] };
+    sizes.iter().find_map(|&size| Some((size, differ_in(of, &groups(batches, size), case)?)))
+}
+
+/// Of how many primitives a block's fragments are stored together.
+fn together(instance: &dyn Instance) -> usize {
+    let layout = instance.layout();
+    let own = Owned::new(layout.per_pixel(), PIXELS as usize);
+    let shared = Shared::new(layout.per_frame(), 1);
+    let inputs = Inputs::defaults(layout);
+    let mem = Exclusive::new(&own, &shared, &inputs, &()).from(FIRST);
+    instance.compiled().map_or(0, |compiled| compiled.exclusive().together(&mem, FIRST))
+}
+
+fn differ_in(
     (contract, instance): (&Contract, &dyn Instance),
-    batches: &[Batch],
+    groups: &[Vec<Batch>],
     case: Case,
 ) -> Option<usize> {
     let compiled = instance.compiled()?;
     let of = (&contract.program, instance.layout());
-    let blocks = run::<()>(compiled.exclusive(), of, batches, case);
-    let single = run::<Counters>(compiled.exclusive_counted(), of, batches, case);
+    let blocks = run::<()>(compiled.exclusive(), of, groups, case);
+    let single = run::<Counters>(compiled.exclusive_counted(), of, groups, case);
+    // An outcome is that of a fragment.
+    let none = |(group, seen): (&Vec<Batch>, &Seen)| {
+        group.iter().zip(&seen.outcomes).any(|(batch, all)| all.gone() & !batch.mask() != 0)
+    };
+    if let Some(number) = groups.iter().zip(&blocks).position(none) {
+        return Some(number);
+    }
     if contract.accounting != Accounting::Crossing {
         return blocks.iter().zip(&single).position(|(a, b)| a != b);
     }
     let mut dropped = false;
     blocks.iter().zip(&single).position(|(a, b)| {
-        dropped |= [a, b].iter().any(|seen| seen.outcomes.count(Outcome::Age) > 0);
+        dropped |= [a, b].iter().any(|seen| seen.count(Outcome::Age) > 0);
         !a.crosses(b, dropped)
     })
 }
@@ -208,8 +257,10 @@ fn first_difference(method: Method) -> Option<String> {
         }
         for seed in 0..6 {
             let instance = method.instance(&config(seed, case.generated))?;
-            if let Some(block) = differ((contract, &*instance), &batches(seed), case) {
-                return Some(format!("{method}: case {number}, seed {seed}, block {block}"));
+            let batches = batches(seed, contract.depth_format.unwrap_or_default());
+            let found = differ((contract, &*instance), &batches, case);
+            if let Some((size, group)) = found {
+                return Some(format!("{method}: case {number}, seed {seed}, {group} of {size}"));
             }
         }
     }
@@ -240,9 +291,9 @@ fn blocks_with_more_fragments_than_a_local_array_has_room_for() {
     let contract = method.contract();
     assert_eq!(differ((contract, &*instance), &batches, case), None);
     let compiled = instance.compiled().expect("for executors");
-    let seen =
-        run::<()>(compiled.exclusive(), (&contract.program, instance.layout()), &batches, case);
-    let gone = seen.iter().filter(|seen| seen.outcomes.count(Outcome::Overflow) == 1);
+    let of = (&contract.program, instance.layout());
+    let seen = run::<()>(compiled.exclusive(), of, &groups(&batches, 1), case);
+    let gone = seen.iter().filter(|seen| seen.count(Outcome::Overflow) == 1);
     assert_eq!(gone.count(), 6);
 }
 
@@ -291,7 +342,7 @@ struct Faulty<const FAULT: u32> {
     nearest: Words<Pixel, Atomic, u64>,
 }
 
-const FAULTS: [&str; 7] = [
+const FAULTS: [&str; 11] = [
     "none",
     "the last bit is left out",
     "bits that are not set are stored, too",
@@ -299,6 +350,10 @@ const FAULTS: [&str; 7] = [
     "what is evicted counts as kept",
     "it stores, and says that it did not: outcomes are those of the second time",
     "what is culled counts as evicted, too",
+    "of batches stored together, the last is left out",
+    "of batches stored together, the later ones go first",
+    "of batches stored together, all outcomes are the first one's",
+    "of batches stored together, the second is stored as the first says",
 ];
 
 impl<const FAULT: u32> Scheme for Faulty<FAULT> {
@@ -346,6 +401,28 @@ impl<const FAULT: u32> Scheme for Faulty<FAULT> {
         FAULT != 5
     }
 
+    fn together(&self) -> usize {
+        if FAULT < 7 { 0 } else { 4 }
+    }
+
+    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
+        let mut all: Vec<_> = batches.iter().zip(outcomes).collect();
+        match FAULT {
+            7 => drop(all.pop()),
+            8 => all.reverse(),
+            _ => {}
+        }
+        let mut first = Outcomes::default();
+        for (i, (batch, outcomes)) in all.into_iter().enumerate() {
+            let again = if FAULT == 10 && i == 1 { &batches[0] } else { batch };
+            self.store_block(block, again, outcomes);
+            if FAULT == 9 && i > 0 {
+                *outcomes = first.clone();
+            }
+            first = if i == 0 { outcomes.clone() } else { first };
+        }
+    }
+
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {
         keys.push(mem.load(self.nearest.at(pixel, 0), Order::Relaxed).await);
     }
@@ -361,6 +438,10 @@ fn faults_of_block_forms_are_found() {
         first_difference(Method::of::<Faulty<4>>()),
         first_difference(Method::of::<Faulty<5>>()),
         first_difference(Method::of::<Faulty<6>>()),
+        first_difference(Method::of::<Faulty<7>>()),
+        first_difference(Method::of::<Faulty<8>>()),
+        first_difference(Method::of::<Faulty<9>>()),
+        first_difference(Method::of::<Faulty<10>>()),
     ];
     for (found, fault) in found.iter().zip(FAULTS) {
         assert_eq!(found.is_none(), fault == "none", "{fault}: {found:?}");

@@ -58,6 +58,15 @@ pub trait Pipeline<M>: Sync {
     fn invocations(&self, pass: usize) -> u32;
     /// Store fragments one after another, or at once where the scheme knows how ([`Scheme::store_block`]).
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes);
+    /// How many batches of the block at `first` are stored at once ([`Scheme::store_together`]); 0 if none are.
+    fn together(&self, mem: &M, first: u32) -> usize {
+        let _ = (mem, first);
+        0
+    }
+    /// Store that many of them, or fewer.
+    fn store_together(&self, mem: &M, batches: &[Batch], outcomes: &mut [Outcomes]) {
+        let _ = (mem, batches, outcomes);
+    }
     /// Add what these pixels hold to `held`, one after another, and to `ends` where each ends there: in lists, by
     /// entries. Returns whether any of them needs another round.
     fn resolve_all(
@@ -124,6 +133,18 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
         }
         for bit in bits(batch.mask()) {
             outcomes.set(bit, complete(Scheme::store(self, mem, batch.get(bit))));
+        }
+    }
+
+    fn together(&self, mem: &M, first: u32) -> usize {
+        mem.owned_block(first).map_or(0, |_| Scheme::together(self))
+    }
+
+    fn store_together(&self, mem: &M, batches: &[Batch], outcomes: &mut [Outcomes]) {
+        outcomes.iter_mut().for_each(Outcomes::reset);
+        let block = batches.first().and_then(|batch| mem.owned_block(batch.first()));
+        if let Some(block) = block {
+            Scheme::store_together(self, &block, batches, outcomes);
         }
     }
 

@@ -5,6 +5,8 @@
 //! its pixels' records, and its range of the pools, which then stays in the worker's cache. Otherwise every tile keeps
 //! its memory, and a pass ends for all tiles before the next begins.
 
+mod geometry;
+
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -14,17 +16,15 @@ use super::account::Tally;
 use super::drive::Pipeline;
 use super::frame::finish::{Finisher, resolve_tile};
 use super::frame::rounds::Rounds;
-use super::frame::{Frame, PixelCounts, TileOutput};
+use super::frame::{Frame, TileOutput};
 use super::interpret::Interpreted;
 use super::{Instance, Job};
 use crate::memory::arena::{Owned, Shared};
 use crate::memory::exclusive::Exclusive;
 use crate::memory::{Ahead, Counters, Layout, Observer};
-use crate::num::columns::Columns;
-use crate::raster::Batch;
-use crate::scheme::Outcomes;
 use crate::scheme::course::Part;
 use crate::scheme::program::PassKind;
+use geometry::{Geometry, Room};
 
 /// Invocations of a pass over the frame's words that go to a worker at once.
 const CHUNK: u32 = 256;
@@ -84,35 +84,12 @@ struct Tile<O> {
     pool: Range<u64>,
     /// What is left of that range, if there is one.
     ahead: Vec<Ahead>,
-    counts: Counting,
-    reports: Tally,
+    room: Room,
     /// What the pixels hold from all rounds so far, if there are several.
     collected: Rounds,
     observer: O,
-    batch: Batch,
     /// Accesses outside of its memory by the worker's earlier tiles.
     outside_before: u64,
-}
-
-/// What a geometry pass counts, block by block.
-#[derive(Debug, Default)]
-struct Counting {
-    generated: Columns,
-    gone: Columns,
-    /// What has reached the scheme so far, with an interlock.
-    entered: Columns,
-}
-
-impl Counting {
-    fn reset(&mut self, blocks: usize) {
-        for counts in [&mut self.generated, &mut self.gone, &mut self.entered] {
-            counts.reset(blocks);
-        }
-    }
-
-    fn of_pixels(&self) -> PixelCounts {
-        PixelCounts { generated: self.generated.counts(), gone: self.gone.counts() }
-    }
 }
 
 impl<O: Observer + Default + Send> Tiles<'_, O> {
@@ -193,11 +170,9 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
             memory: self.job.kit.memory.owned(self.layout.per_pixel(), pixels),
             pool: 0..0,
             ahead: Vec::new(),
-            counts: Counting::default(),
-            reports: Tally::default(),
+            room: Room::default(),
             collected: Rounds::default(),
             observer: O::default(),
-            batch: Batch::default(),
             outside_before: 0,
         }
     }
@@ -258,52 +233,24 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         }
     }
 
-    /// A geometry pass. The reports of an earlier round's store pass are dropped.
     fn geometry(&self, tile: &mut Tile<O>, number: usize, stores: bool) {
-        let (job, grid) = (self.job, &self.job.front.grid);
-        let (first, interlock) = (self.first(tile), job.contract.is_interlocked());
-        let culls = job.culls(number);
+        let (job, first) = (self.job, self.first(tile));
         let mem = Exclusive::new(&tile.memory, self.global, &job.inputs, &tile.observer)
             .from(first)
             .taking(&tile.ahead);
-        let Tile { counts, reports, batch, .. } = tile;
-        counts.reset(grid.pixels_per_tile() / 64);
-        *reports = Tally::default();
-        // What is counted one by one must be done one by one.
-        let one_by_one = stores || culls || tile.observer.counters().is_some();
-        if !one_by_one && self.scheme.count(&mem, number, first, &[]) {
-            job.front.packets(tile.index, |packet| {
-                counts.generated.add(grid.local_block(packet) as usize, packet.mask);
-            });
-            self.scheme.count(&mem, number, first, &counts.generated.counts());
-            return;
-        }
-        let mut outcomes = Outcomes::default();
-        job.front.packets(tile.index, |packet| {
-            let block = grid.local_block(packet);
-            job.front.fragments(packet, job.record, first + block * 64, batch);
-            let block = block as usize;
-            counts.generated.add(block, packet.mask);
-            if culls {
-                let rejected = job.cull(batch);
-                counts.gone.add(block, rejected);
-                reports.reject(rejected.count_ones());
-            }
-            if interlock {
-                batch.rank(|bit| counts.entered.get(block, bit));
-                counts.entered.add(block, batch.mask());
-            }
-            if stores {
-                self.scheme.store(&mem, batch, &mut outcomes);
-                let gone = outcomes.gone();
-                if gone != 0 {
-                    counts.gone.add(block, gone);
-                    reports.reports(&outcomes);
-                }
-            } else {
-                self.scheme.prepare(&mem, number, batch);
-            }
-        });
+        let geometry = Geometry {
+            scheme: self.scheme,
+            job,
+            mem,
+            tile: tile.index,
+            number,
+            stores,
+            culls: job.culls(number),
+            interlock: job.contract.is_interlocked(),
+            counted: tile.observer.counters().is_some(),
+            first,
+        };
+        geometry.run(&mut tile.room);
     }
 
     /// Run a pass over the frame's words, and give what was counted.
@@ -334,7 +281,8 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
     }
 
     fn finish(&self, tile: &mut Tile<O>, rounds: u32) -> (TileOutput, Counters) {
-        let (counts, reports) = (tile.counts.of_pixels(), &tile.reports);
+        let Room { counts, reports, .. } = &tile.room;
+        let counts = counts.of_pixels();
         let output = if self.job.contract.program.repeats {
             tile.collected.finish(self.job, tile.index, counts, reports)
         } else {

@@ -207,6 +207,18 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         false
     }
 
+    /// Of how many primitives [`Self::store_together`] stores a block's fragments at once, at most; 0 if it does not.
+    fn together(&self) -> usize {
+        0
+    }
+
+    /// Store a block's fragments of several primitives at once, if [`Self::together`] says so, in place of
+    /// [`Self::store_block`]: for each batch, the outcomes of its fragments. Every pixel's fragments come in the order
+    /// of primitives, but blocks one after another. Words and outcomes are those of [`Self::store`], as there.
+    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
+        let _ = (block, batches, outcomes);
+    }
+
     /// What must be true of a pixel's words, beyond what every method promises; checks look at it in every state.
     ///
     /// # Errors

@@ -36,6 +36,9 @@ use crate::scheme::{Cells, Config, Contract, Keys, Moment, Outcome, Outcomes, Re
 /// The largest depth of 24 bits.
 const FAR: u32 = 0xFF_FFFF;
 
+/// Of how many primitives a block's fragments walk together: what the first-level cache has room for.
+const TOGETHER: usize = 32;
+
 /// The pass that clears the table.
 pub(super) const CLEAR: Pass = Pass::new("clear table", PassKind::Frame, Barrier::Frame);
 
@@ -339,13 +342,14 @@ impl<R: Record, V: Variant<R>> Scheme for HaBuffer<R, V> {
         }
     }
 
-    fn store_block(&self, block: &OwnedBlock<'_>, batch: &Batch, outcomes: &mut Outcomes) -> bool {
-        if !self.table.covers_screen() {
-            return false;
-        }
+    fn together(&self) -> usize {
+        if self.table.covers_screen() { TOGETHER } else { 0 }
+    }
+
+    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
         let walks = Walks { table: &self.table, block, age_bit: R::AGE_BIT, once: !V::MULTISET };
-        walks.go(batch, |bit| R::pack(0, batch.get(bit).key()).to_u64(), outcomes);
-        true
+        let record = |batch: &Batch, bit| R::pack(0, batch.get(bit).key()).to_u64();
+        walks.go(batches, record, outcomes);
     }
 
     /// At any time, Proposition A; in the end, nothing is beyond the largest age, and the list is sorted.

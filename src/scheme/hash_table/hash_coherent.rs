@@ -169,8 +169,9 @@ impl<V: Variant> Scheme for HashCoherent<V> {
         nodes.writers().zip(batch.iter()).for_each(|(node, fragment)| node(fragment.key()));
         let walks = Walks { table: &self.table, block, age_bit: 56, once: false };
         let mut nodes = first..;
-        let own = |bit| pack(0, batch.first() + bit, nodes.next().unwrap_or_default());
-        walks.go(batch, own, outcomes);
+        let own =
+            |batch: &Batch, bit| pack(0, batch.first() + bit, nodes.next().unwrap_or_default());
+        walks.go(std::slice::from_ref(batch), own, std::slice::from_mut(outcomes));
         true
     }
 

@@ -1,12 +1,14 @@
 //! Walks of a block's fragments, side by side, for a worker that stores blocks at once
-//! ([`Scheme::store_block`](crate::scheme::Scheme::store_block)).
+//! ([`Scheme::store_together`](crate::scheme::Scheme::store_together)).
 //!
-//! A pixel's fragments all walk the same cells, so most steps pass by a record of the same pixel, or push it one age
-//! on. And neighbours look at neighbouring cells. So a block walks age by age: of every pixel, one record is on its way,
-//! and all are compared with the cells of that age, eight of which lie side by side. A record that is displaced at its
-//! own age is of the same pixel, and takes its turn; one of another age is a *stray*, of a pixel elsewhere. When the
-//! block has done, its strays walk. They look at their next cells first, which is many loads at a time: a cell is a
-//! random place of a large table, and an atomic update lets no later load begin.
+//! A block walks age by age: of every pixel, one record is on its way, and all are compared with the cells of that age,
+//! eight of which lie side by side, since neighbours look at neighbouring cells. A pixel's largest record goes first,
+//! and the next one begins at the age after it: at all ages up to there, it would have found something larger. So a
+//! pixel takes as many steps as its last record is old, and not the sum of all its ages.
+//!
+//! A record that is displaced at its own age is of the same pixel, and waits for its turn; one of another age is a
+//! *stray*, of a pixel elsewhere. When the block has done, its strays walk. They look at their next cells first, which
+//! is many loads at a time: a cell is a random place of a large table, and an atomic update lets no later load begin.
 //!
 //! What was seen may be older than what is there, since other workers walk on the same table. Cells only grow, so that
 //! a record that was not larger then is not larger now.
@@ -16,6 +18,7 @@
 //! record is dropped for its age.
 
 use super::table::{Place, Table};
+use crate::fragment::sort::Sort;
 use crate::memory::{OwnedBlock, Word};
 use crate::raster::Batch;
 use crate::raster::batch::bits;
@@ -56,44 +59,127 @@ enum Step {
     Passes,
 }
 
+/// The records of a block that have not begun to walk, pixel by pixel, the largest last.
+struct Waiting {
+    own: Vec<u64>,
+    /// Most of a pixel.
+    most: usize,
+    /// Behind each pixel's last one.
+    ends: [usize; 64],
+}
+
+impl Waiting {
+    fn new(batches: &[Batch], mut record: impl FnMut(&Batch, u32) -> u64) -> Self {
+        let most = batches.len();
+        let mut own = vec![0; 64 * most];
+        let mut ends = std::array::from_fn(|bit| bit * most);
+        for batch in batches {
+            for bit in bits(batch.mask()) {
+                let end = &mut ends[bit as usize & 63];
+                own[*end] = record(batch, bit);
+                *end += 1;
+            }
+        }
+        ends.iter().zip(0..).for_each(|(&end, bit)| Sort::Fastest.keys(&mut own[bit * most..end]));
+        Self { own, most, ends }
+    }
+
+    /// A pixel's largest.
+    #[inline]
+    fn take(&mut self, bit: u32) -> Option<u64> {
+        let end = &mut self.ends[bit as usize & 63];
+        if *end == (bit as usize & 63) * self.most {
+            return None;
+        }
+        *end -= 1;
+        Some(self.own[*end])
+    }
+
+    /// One more, where one was taken before.
+    fn put(&mut self, bit: u32, record: u64) {
+        let end = &mut self.ends[bit as usize & 63];
+        let begin = (bit as usize & 63) * self.most;
+        let mut place = *end;
+        while place > begin && self.own[place - 1] > record {
+            self.own[place] = self.own[place - 1];
+            place -= 1;
+        }
+        self.own[place] = record;
+        *end += 1;
+    }
+}
+
+/// What became of fragments: of those at a bit, each batch's in turn, since it does not matter which.
+struct Gone<'a> {
+    batches: &'a [Batch],
+    outcomes: &'a mut [Outcomes],
+    /// How many batches have had their turn at each bit.
+    turns: [usize; 64],
+}
+
+impl Gone<'_> {
+    fn set(&mut self, bit: u32, outcome: Outcome) {
+        let turn = &mut self.turns[bit as usize & 63];
+        while self.batches.get(*turn).is_some_and(|batch| batch.mask() >> bit & 1 == 0) {
+            *turn += 1;
+        }
+        if let Some(outcomes) = self.outcomes.get_mut(*turn) {
+            outcomes.set(bit, outcome);
+        }
+        *turn += 1;
+    }
+}
+
 impl<W: Word> Walks<'_, W> {
-    /// Walk with a batch's fragments; `record` gives that of the one at a bit, without an age, from the lowest bit on.
+    /// Walk with the fragments of a block's batches; `record` gives that of the one at a bit, without an age, batch by
+    /// batch, from the lowest bit on.
     pub(super) fn go(
         &self,
-        batch: &Batch,
-        mut record: impl FnMut(u32) -> u64,
-        outcomes: &mut Outcomes,
+        batches: &[Batch],
+        record: impl FnMut(&Batch, u32) -> u64,
+        outcomes: &mut [Outcomes],
     ) {
+        let Some(first) = batches.first() else { return };
         let table = self.table;
-        let corner = table.place(batch.first());
+        let corner = table.place(first.first());
+        let mut gone = Gone { batches, outcomes, turns: [0; 64] };
+        let mut waiting = Waiting::new(batches, record);
         let mut own = [0; 64];
-        bits(batch.mask()).for_each(|bit| own[bit as usize & 63] = record(bit));
-        let mut left = batch.mask();
+        let mut left = 0;
+        for bit in 0..64 {
+            if let Some(record) = waiting.take(bit) {
+                own[bit as usize] = record;
+                left |= 1 << bit;
+            }
+        }
         let mut strays = Vec::new();
         for age in 1..=table.ages() {
             let mut inserted = false;
-            let seen = self.compare(corner, age, left, &own);
-            for bit in bits(seen) {
-                let record = self.record(own[bit as usize & 63], age);
+            for bit in bits(self.compare(corner, age, left, &own)) {
+                let own = &mut own[bit as usize & 63];
                 let cell = table.cell(place(corner, bit), age);
-                match self.step(cell, record, W::default()) {
-                    Step::Stays => left &= !(1 << bit),
-                    Step::Displaces { own: next, age: theirs } if theirs == age => {
-                        own[bit as usize & 63] = next;
-                    }
+                let step = self.step(cell, self.record(*own, age), W::default());
+                inserted |= matches!(step, Step::Stays | Step::Displaces { .. });
+                match step {
+                    Step::Passes => continue,
+                    Step::Stays => {}
+                    Step::Alike => gone.set(bit, Outcome::Duplicate),
+                    Step::Displaces { own, age: theirs } if theirs == age => waiting.put(bit, own),
                     Step::Displaces { own, age } => {
-                        left &= !(1 << bit);
                         let place = table.origin(cell, age);
                         strays.push(Stray { own, place, age, cell, seen: W::default(), bit });
                     }
-                    Step::Alike => {
-                        left &= !(1 << bit);
-                        outcomes.set(bit, Outcome::Duplicate);
-                        continue;
-                    }
-                    Step::Passes => continue,
                 }
-                inserted = true;
+                let mut next = waiting.take(bit);
+                // The next one would walk past its like.
+                while self.once && next == Some(*own) {
+                    gone.set(bit, Outcome::Duplicate);
+                    next = waiting.take(bit);
+                }
+                match next {
+                    Some(next) => *own = next,
+                    None => left &= !(1 << bit),
+                }
             }
             if inserted {
                 let _ = self.block.max(table.largest(corner), age);
@@ -102,8 +188,13 @@ impl<W: Word> Walks<'_, W> {
                 break;
             }
         }
-        bits(left).for_each(|bit| outcomes.set(bit, Outcome::Age));
-        self.stray(strays, outcomes);
+        for bit in bits(left) {
+            gone.set(bit, Outcome::Age);
+            while waiting.take(bit).is_some() {
+                gone.set(bit, Outcome::Age);
+            }
+        }
+        self.stray(strays, &mut gone);
     }
 
     /// Which of the records at these bits are not smaller than what is in their cells.
@@ -134,13 +225,13 @@ impl<W: Word> Walks<'_, W> {
     }
 
     /// Strays walk to their ends.
-    fn stray(&self, mut strays: Vec<Stray<W>>, outcomes: &mut Outcomes) {
+    fn stray(&self, mut strays: Vec<Stray<W>>, gone: &mut Gone<'_>) {
         let table = self.table;
         while !strays.is_empty() {
             strays.retain_mut(|stray| {
                 stray.age += 1;
                 if stray.age > table.ages() {
-                    outcomes.set(stray.bit, Outcome::Age);
+                    gone.set(stray.bit, Outcome::Age);
                     return false;
                 }
                 stray.cell = table.cell(stray.place, stray.age);
@@ -158,7 +249,7 @@ impl<W: Word> Walks<'_, W> {
                         (stray.own, stray.age) = (own, age);
                         stray.place = table.origin(stray.cell, age);
                     }
-                    Step::Alike => outcomes.set(stray.bit, Outcome::Duplicate),
+                    Step::Alike => gone.set(stray.bit, Outcome::Duplicate),
                     Step::Stays | Step::Passes => {}
                 }
                 matches!(step, Step::Displaces { .. } | Step::Passes)
