@@ -26,7 +26,7 @@ use fragloom::scheme::contract::{Accounting, Contract, Keeps};
 use fragloom::scheme::hash_table::table::TableSettings;
 use fragloom::scheme::program::{PassKind, Program};
 use fragloom::scheme::{Config, Keys, Outcome, Outcomes, Scheme};
-use support::{draw, small_scenes};
+use support::{draw, scene, small_scenes};
 
 /// Blocks of a tile.
 const BLOCKS: u32 = 4;
@@ -236,9 +236,9 @@ const fn case(generated: u64, ahead: Option<u32>, prepared: usize) -> Case {
     Case { generated, ahead, prepared }
 }
 
-/// Room for all, with indices ahead for all, for some of the blocks, and for none; a pool that is too small; and fragments
-/// that earlier passes did not see.
-const CASES: [Case; 7] = [
+/// Room for all, with indices ahead for all, for some of the blocks, and for none; a pool that is too small; fragments
+/// that earlier passes did not see; and so many at a pixel that lists are long.
+const CASES: [Case; 8] = [
     case(4_000, Some(2_000), BATCHES),
     case(4_000, Some(150), BATCHES),
     case(4_000, Some(0), BATCHES),
@@ -246,6 +246,7 @@ const CASES: [Case; 7] = [
     case(1_100, Some(2_000), BATCHES),
     case(70, None, BATCHES),
     case(4_000, Some(2_000), 9),
+    case(20_000, Some(2_000), BATCHES),
 ];
 
 fn first_difference(method: Method) -> Option<String> {
@@ -317,7 +318,9 @@ fn frames_are_the_same_if_nothing_is_counted() {
     let mut frames = 0;
     for method in toys::catalogue().promised() {
         let k = method.contract().default_k.map(|_| 3);
-        for scene in small_scenes() {
+        // The last one has long lists.
+        let scenes = small_scenes().into_iter().chain([scene("layers:count=14", [64, 64])]);
+        for scene in scenes {
             let options = Options { method, k, ..Options::default() };
             let _ = same(&scene, &options);
             frames += 1;
@@ -405,7 +408,12 @@ impl<const FAULT: u32> Scheme for Faulty<FAULT> {
         if FAULT < 7 { 0 } else { 4 }
     }
 
-    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
+    fn store_together(
+        &self,
+        block: &OwnedBlock<'_>,
+        batches: &[Batch],
+        outcomes: &mut [Outcomes],
+    ) -> bool {
         let mut all: Vec<_> = batches.iter().zip(outcomes).collect();
         match FAULT {
             7 => drop(all.pop()),
@@ -421,6 +429,7 @@ impl<const FAULT: u32> Scheme for Faulty<FAULT> {
             }
             first = if i == 0 { outcomes.clone() } else { first };
         }
+        true
     }
 
     async fn resolve<M: Memory>(&self, mem: &M, pixel: u32, keys: &mut Keys) {

@@ -58,12 +58,13 @@ pub trait Pipeline<M>: Sync {
     fn invocations(&self, pass: usize) -> u32;
     /// Store fragments one after another, or at once where the scheme knows how ([`Scheme::store_block`]).
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes);
-    /// How many batches of the block at `first` are stored at once ([`Scheme::store_together`]); 0 if none are.
+    /// How many batches of the block at `first` are stored at once, one block after another ([`Scheme::together`]); 0 if
+    /// blocks come in any order.
     fn together(&self, mem: &M, first: u32) -> usize {
         let _ = (mem, first);
         0
     }
-    /// Store that many of them, or fewer.
+    /// Store that many of them, or fewer: at once, or one after another.
     fn store_together(&self, mem: &M, batches: &[Batch], outcomes: &mut [Outcomes]) {
         let _ = (mem, batches, outcomes);
     }
@@ -143,8 +144,11 @@ impl<S: Scheme, M: Memory> Pipeline<M> for S {
     fn store_together(&self, mem: &M, batches: &[Batch], outcomes: &mut [Outcomes]) {
         outcomes.iter_mut().for_each(Outcomes::reset);
         let block = batches.first().and_then(|batch| mem.owned_block(batch.first()));
-        if let Some(block) = block {
-            Scheme::store_together(self, &block, batches, outcomes);
+        if block.is_some_and(|block| Scheme::store_together(self, &block, batches, outcomes)) {
+            return;
+        }
+        for (batch, outcomes) in batches.iter().zip(outcomes) {
+            Pipeline::store(self, mem, batch, outcomes);
         }
     }
 

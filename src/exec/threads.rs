@@ -72,7 +72,10 @@ fn frame<O: Observer + Default>(
     let tile_pixels = grid.pixels_per_tile() as u32;
     let pixels = |tile: usize| tile as u32 * tile_pixels..(tile as u32 + 1) * tile_pixels;
     let each_tile = |work: &(dyn Fn(Native<'_, O>, usize) + Sync)| {
-        (0..grid.tiles()).into_par_iter().for_each(|tile| shared.with(|mem| work(mem, tile)));
+        (0..grid.tiles())
+            .into_par_iter()
+            .with_max_len(1)
+            .for_each(|tile| shared.with(|mem| work(mem, tile)));
     };
     let mut watch = Stopwatch::start();
     let mut collected: Vec<Rounds> = Vec::new();
@@ -132,7 +135,7 @@ fn frame<O: Observer + Default>(
             resolve_tile(scheme, &mem, pixels(tile).start, counts, finisher, &none)
         })
     };
-    let tiles = (0..grid.tiles()).into_par_iter().map(finish).collect();
+    let tiles = (0..grid.tiles()).into_par_iter().with_max_len(1).map(finish).collect();
     watch.lap("resolve");
     let outside = shared.pixel.outside() + shared.global.outside();
     let counters = shared.counters.into_inner().unwrap_or_default();

@@ -9,6 +9,7 @@ mod geometry;
 
 use std::convert::Infallible;
 use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -93,29 +94,43 @@ struct Tile<O> {
 }
 
 impl<O: Observer + Default + Send> Tiles<'_, O> {
-    /// One tile after another, each from beginning to end.
+    /// One tile after another, each from beginning to end. A worker gives away all but the tile that it works on, since
+    /// tiles differ in what they hold.
     fn each(&self) -> Vec<(TileOutput, Counters)> {
-        (0..self.job.front.grid.tiles())
-            .into_par_iter()
-            .map_init(
-                || self.tile(),
-                |tile, index| {
-                    let walked = self.job.course.walk(|parts| {
-                        let mut again = false;
-                        for &part in parts {
-                            match part {
-                                Part::Clear => self.clear(tile, index),
-                                Part::Pass(number) => self.pass(tile, number),
-                                Part::Resolve => again |= self.collect(tile),
-                            }
-                        }
-                        Ok::<bool, Infallible>(again)
-                    });
-                    let Ok(rounds) = walked;
-                    self.finish(tile, rounds)
-                },
-            )
-            .collect()
+        let count = self.job.front.grid.tiles();
+        let workers: Vec<_> = (0..rayon::current_num_threads()).map(|_| Mutex::new(None)).collect();
+        let lock = |worker| -> MutexGuard<'_, Option<Tile<O>>> {
+            Mutex::lock(worker).unwrap_or_else(PoisonError::into_inner)
+        };
+        let work = |index| {
+            let worker = &workers[rayon::current_thread_index().unwrap_or(0) % workers.len()];
+            let taken = lock(worker).take();
+            let mut tile = taken.unwrap_or_else(|| self.tile());
+            let done = self.whole(&mut tile, index);
+            *lock(worker) = Some(tile);
+            done
+        };
+        let done = (0..count).into_par_iter().with_max_len(1).map(work).collect();
+        let tiles = workers.iter().filter_map(|worker| lock(worker).take());
+        tiles.for_each(|tile| self.job.kit.keep_owned(tile.memory));
+        done
+    }
+
+    /// All passes and rounds of a tile.
+    fn whole(&self, tile: &mut Tile<O>, index: usize) -> (TileOutput, Counters) {
+        let walked = self.job.course.walk(|parts| {
+            let mut again = false;
+            for &part in parts {
+                match part {
+                    Part::Clear => self.clear(tile, index),
+                    Part::Pass(number) => self.pass(tile, number),
+                    Part::Resolve => again |= self.collect(tile),
+                }
+            }
+            Ok::<bool, Infallible>(again)
+        });
+        let Ok(rounds) = walked;
+        self.finish(tile, rounds)
     }
 
     /// One stage after another, each for all tiles.
@@ -133,17 +148,24 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
                             tile
                         };
                         let count = self.job.front.grid.tiles();
-                        tiles = (0..count).into_par_iter().map(cleared).collect();
+                        tiles = (0..count).into_par_iter().with_max_len(1).map(cleared).collect();
                     }
                     Part::Pass(number) if self.kind(number) == PassKind::Frame => {
                         counters.merge(&self.frame(number));
                     }
                     Part::Pass(number) => {
-                        tiles.par_iter_mut().for_each(|tile| self.pass(tile, number));
+                        tiles
+                            .par_iter_mut()
+                            .with_max_len(1)
+                            .for_each(|tile| self.pass(tile, number));
                     }
                     Part::Resolve => {
                         let collect = |tile: &mut Tile<O>| self.collect(tile);
-                        again |= tiles.par_iter_mut().map(collect).reduce(|| false, |a, b| a | b);
+                        again |= tiles
+                            .par_iter_mut()
+                            .with_max_len(1)
+                            .map(collect)
+                            .reduce(|| false, |a, b| a | b);
                     }
                 }
             }
@@ -151,7 +173,7 @@ impl<O: Observer + Default + Send> Tiles<'_, O> {
         });
         let Ok(rounds) = walked;
         let finish = |tile: &mut Tile<O>| self.finish(tile, rounds);
-        let mut outputs: Vec<_> = tiles.par_iter_mut().map(finish).collect();
+        let mut outputs: Vec<_> = tiles.par_iter_mut().with_max_len(1).map(finish).collect();
         tiles.into_iter().for_each(|tile| self.job.kit.keep_owned(tile.memory));
         if let Some((_, first)) = outputs.first_mut() {
             first.merge(&counters);

@@ -207,16 +207,25 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         false
     }
 
-    /// Of how many primitives [`Self::store_together`] stores a block's fragments at once, at most; 0 if it does not.
+    /// Whether a tile stores its blocks one after another, each with the fragments of all primitives, and of how many
+    /// of them at once, at most ([`Self::store_together`]); 0 if it stores in the order of primitives. Every pixel's
+    /// fragments come in that order in either case. Indices of pools go to other fragments, so a tile does neither where
+    /// a pool may be too small.
     fn together(&self) -> usize {
         0
     }
 
-    /// Store a block's fragments of several primitives at once, if [`Self::together`] says so, in place of
-    /// [`Self::store_block`]: for each batch, the outcomes of its fragments. Every pixel's fragments come in the order
-    /// of primitives, but blocks one after another. Words and outcomes are those of [`Self::store`], as there.
-    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
+    /// Store a block's fragments of several primitives at once: for each batch, the outcomes of its fragments. Words and
+    /// outcomes are those of [`Self::store`], as of [`Self::store_block`]. Gives whether it did so; if not, nothing has
+    /// changed, and each batch is stored by itself.
+    fn store_together(
+        &self,
+        block: &OwnedBlock<'_>,
+        batches: &[Batch],
+        outcomes: &mut [Outcomes],
+    ) -> bool {
         let _ = (block, batches, outcomes);
+        false
     }
 
     /// What must be true of a pixel's words, beyond what every method promises; checks look at it in every state.

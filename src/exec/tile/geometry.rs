@@ -1,5 +1,5 @@
-//! A geometry pass of one tile: packet by packet as primitives come; or block by block, where a scheme stores a block's
-//! fragments of several primitives at once ([`Scheme::store_together`](crate::scheme::Scheme::store_together)).
+//! A geometry pass of one tile: packet by packet as primitives come; or block by block, where that is better for a scheme
+//! ([`Scheme::together`](crate::scheme::Scheme::together)).
 
 use crate::exec::Job;
 use crate::exec::account::Tally;
@@ -81,7 +81,9 @@ impl<O> Geometry<'_, O> {
             self.scheme.count(&self.mem, self.number, self.first, &generated.counts());
             return;
         }
-        let together = if self.stores { self.scheme.together(&self.mem, self.first) } else { 0 };
+        // Where a pool may be too small, the order decides what is dropped.
+        let ordered = !self.stores || !job.whole_pools;
+        let together = if ordered { 0 } else { self.scheme.together(&self.mem, self.first) };
         if together > 0 {
             return self.block_by_block(room, together);
         }

@@ -42,10 +42,16 @@ pub enum OneTooMany {}
 #[derive(Debug)]
 pub enum PlainHead {}
 
+/// Lists are long if a frame has more fragments than this by pixel. A tile's nodes are then more than the second-level
+/// cache holds.
+const LONG: u64 = 12;
+
 /// The method.
 #[derive(Debug)]
 pub struct AbLinkedList<V = Correct> {
     lists: Lists,
+    /// Whether lists are long.
+    long: bool,
     variant: PhantomData<V>,
 }
 
@@ -102,7 +108,8 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
     type Holds = Keys;
 
     fn new(config: &Config, layout: &mut Layout) -> Self {
-        Self { lists: Lists::new(1, config, layout), variant: PhantomData }
+        let long = config.generated > LONG * u64::from(config.pixels);
+        Self { lists: Lists::new(1, config, layout), long, variant: PhantomData }
     }
 
     async fn clear_frame<M: Memory>(&self, mem: &M) {
@@ -144,6 +151,12 @@ impl<V: Variant> Scheme for AbLinkedList<V> {
             outcomes.assign([]);
         }
         stored
+    }
+
+    /// Nodes of a block are taken one after another, so a tile that stores blocks one after another has a list's nodes
+    /// near each other.
+    fn together(&self) -> usize {
+        usize::from(self.long)
     }
 
     /// In the end, the list ends: within the pool, and without a cycle.

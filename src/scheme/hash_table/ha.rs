@@ -346,10 +346,16 @@ impl<R: Record, V: Variant<R>> Scheme for HaBuffer<R, V> {
         if self.table.covers_screen() { TOGETHER } else { 0 }
     }
 
-    fn store_together(&self, block: &OwnedBlock<'_>, batches: &[Batch], outcomes: &mut [Outcomes]) {
+    fn store_together(
+        &self,
+        block: &OwnedBlock<'_>,
+        batches: &[Batch],
+        outcomes: &mut [Outcomes],
+    ) -> bool {
         let walks = Walks { table: &self.table, block, age_bit: R::AGE_BIT, once: !V::MULTISET };
         let record = |batch: &Batch, bit| R::pack(0, batch.get(bit).key()).to_u64();
         walks.go(batches, record, outcomes);
+        true
     }
 
     /// At any time, Proposition A; in the end, nothing is beyond the largest age, and the list is sorted.

@@ -167,6 +167,10 @@ impl<A: Base, C: Choice<A>> Scheme for KbAb<A, C> {
         self.all.store_block(block, batch, outcomes)
     }
 
+    fn together(&self) -> usize {
+        self.all.together()
+    }
+
     fn invariant(&self, words: &Snapshot<'_>, pixel: u32, moment: Moment) -> Result<(), String> {
         self.all.invariant(words, pixel, moment)
     }
