@@ -26,6 +26,10 @@ use crate::explore::search::property::Property;
 use crate::explore::search::random;
 use crate::scheme::contract::Form;
 
+/// States of an instance that are looked at first. A fault that shows does so within them, and may have no end of states:
+/// of a list that leads in circles beyond its pool, an endless walk has alternatives at every step.
+const FIRST_LOOK: usize = 300_000;
+
 /// The result of a check on a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Kill {
@@ -242,7 +246,10 @@ impl Examined {
             helpers: 0,
         };
         let conditions = Conditions { memory, warp: None };
-        let survey = Survey::new(&self.subject, &family, conditions, limits);
+        let survey = |limits: &Limits<'_>| Survey::new(&self.subject, &family, conditions, limits);
+        let first = survey(&Limits { states: limits.states.min(FIRST_LOOK), ..*limits });
+        let more = limits.states > FIRST_LOOK && !first.is_wrong() && first.has_more_states();
+        let survey = if more { survey(limits) } else { first };
         self.complete &= survey.is_complete();
         let asked = properties(&self.subject, memory).into_iter().chain(Property::CONDITIONS);
         let is_race = |p: Property| p == Property::RaceFree;

@@ -147,7 +147,8 @@ impl Survey {
         self.all().all(|(_, e)| e.complete)
     }
 
-    fn is_wrong(&self) -> bool {
+    /// A result, an invariant or a bound is violated; a race alone is not wrong.
+    pub(super) fn is_wrong(&self) -> bool {
         self.all().any(|(_, e)| e.violations.keys().any(|&p| p != Property::RaceFree))
     }
 
@@ -195,6 +196,11 @@ impl Survey {
     /// The first instance that was not explored to its end, and why.
     pub(super) fn stopped(&self) -> Option<(&Litmus, &Stopped)> {
         self.all().find_map(|(litmus, e)| Some((litmus, e.stopped.as_ref()?)))
+    }
+
+    /// An instance has more states than it was allowed.
+    pub(super) fn has_more_states(&self) -> bool {
+        self.all().any(|(_, e)| matches!(e.stopped, Some(Stopped::States { .. })))
     }
 
     /// The first instance on which an invocation was cut off.
