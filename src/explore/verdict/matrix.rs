@@ -30,6 +30,10 @@ use crate::scheme::contract::Form;
 /// of a list that leads in circles beyond its pool, an endless walk has alternatives at every step.
 const FIRST_LOOK: usize = 300_000;
 
+fn first_look<'a>(limits: &Limits<'a>) -> Limits<'a> {
+    Limits { states: limits.states.min(FIRST_LOOK), ..*limits }
+}
+
 /// The result of a check on a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Kill {
@@ -201,6 +205,8 @@ impl Examined {
         let mut examined =
             Self { subject: *subject, surveys: Vec::new(), kills: Vec::new(), complete: true };
         examined.results("sc", MemoryModel::Sequential, plan, limits);
+        let few = first_look(limits);
+        let limits = if examined.kills.is_empty() { limits } else { &few };
         examined.endings(plan, limits);
         examined.results("relaxed", MemoryModel::Relaxed(Profile::Vulkan), plan, limits);
         examined.random(plan, limits);
@@ -247,7 +253,7 @@ impl Examined {
         };
         let conditions = Conditions { memory, warp: None };
         let survey = |limits: &Limits<'_>| Survey::new(&self.subject, &family, conditions, limits);
-        let first = survey(&Limits { states: limits.states.min(FIRST_LOOK), ..*limits });
+        let first = survey(&first_look(limits));
         let more = limits.states > FIRST_LOOK && !first.is_wrong() && first.has_more_states();
         let survey = if more { survey(limits) } else { first };
         self.complete &= survey.is_complete();
