@@ -297,7 +297,9 @@ fn litmus_pixels_have_outcomes_of_interleavings() {
         ] {
             // `crosscheck --litmus` runs all instances, of slabs with three fragments, too.
             let fragments = if method.contains("+ofm") { 2 } else { 3 };
-            let extent = stress::Extent { fragments, repeats: 1, instances: 64, pressure: None };
+            // Of those of a hash table, nearly all are the same to a device, and are left out.
+            let instances = if method == "ha32" { usize::MAX } else { 64 };
+            let extent = stress::Extent { fragments, repeats: 1, instances, pressure: None };
             let twin = twin(method);
             let found = stress(&opened.device, twin, extent).expect("a device");
             if twin.needs_atomics64() && !opened.device.atomics64 {
