@@ -238,7 +238,7 @@ const fn case(generated: u64, ahead: Option<u32>, prepared: usize) -> Case {
 
 /// Room for all, with indices ahead for all, for some of the blocks, and for none; a pool that is too small; fragments
 /// that earlier passes did not see; and so many at a pixel that lists are long.
-const CASES: [Case; 8] = [
+const CASES: [Case; 9] = [
     case(4_000, Some(2_000), BATCHES),
     case(4_000, Some(150), BATCHES),
     case(4_000, Some(0), BATCHES),
@@ -247,6 +247,7 @@ const CASES: [Case; 8] = [
     case(70, None, BATCHES),
     case(4_000, Some(2_000), 9),
     case(20_000, Some(2_000), BATCHES),
+    case(20_000, Some(150), BATCHES),
 ];
 
 fn first_difference(method: Method) -> Option<String> {

@@ -58,8 +58,8 @@ pub trait Pipeline<M>: Sync {
     fn invocations(&self, pass: usize) -> u32;
     /// Store fragments one after another, or at once where the scheme knows how ([`Scheme::store_block`]).
     fn store(&self, mem: &M, batch: &Batch, outcomes: &mut Outcomes);
-    /// How many batches of the block at `first` are stored at once, one block after another ([`Scheme::together`]); 0 if
-    /// blocks come in any order.
+    /// How many batches of the block at `first` are stored at once, one block after another; 0 if a tile stores in the
+    /// order of primitives ([`Scheme::together`]).
     fn together(&self, mem: &M, first: u32) -> usize {
         let _ = (mem, first);
         0

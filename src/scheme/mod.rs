@@ -207,10 +207,10 @@ pub trait Scheme: Send + Sync + Sized + 'static {
         false
     }
 
-    /// Whether a tile stores its blocks one after another, each with the fragments of all primitives, and of how many
-    /// of them at once, at most ([`Self::store_together`]); 0 if it stores in the order of primitives. Every pixel's
-    /// fragments come in that order in either case. Indices of pools go to other fragments, so a tile does neither where
-    /// a pool may be too small.
+    /// 0 if a tile stores in the order of primitives. Otherwise it stores one block after another, each with the
+    /// fragments of all primitives, and of at most so many primitives at once ([`Self::store_together`]). Every pixel's
+    /// fragments come in the order of primitives in either case, but indices of pools go to other fragments. Where a pool
+    /// may be too small, that would decide what is dropped, and a tile stores in the order of primitives all the same.
     fn together(&self) -> usize {
         0
     }

@@ -42,8 +42,8 @@ pub enum OneTooMany {}
 #[derive(Debug)]
 pub enum PlainHead {}
 
-/// Lists are long if a frame has more fragments than this by pixel. A tile's nodes are then more than the second-level
-/// cache holds.
+/// Lists are long if a frame has more fragments than this by pixel: with 8, storing block by block is no gain, and with 13
+/// it is. The nodes of a tile of 64x64 pixels then take 600 kB.
 const LONG: u64 = 12;
 
 /// The method.
